@@ -23,7 +23,7 @@ std::string amount(const Suspect& suspect, double unit) {
 }
 
 std::string sentence(const Suspect& suspect, const std::string& kind, const std::string& camera,
-                     bool alone) {
+                     std::size_t cameras) {
   const bool more = suspect.estimate > 0;
   switch (suspect.kind) {
     case SuspectKind::exposure:
@@ -33,7 +33,7 @@ std::string sentence(const Suspect& suspect, const std::string& kind, const std:
       return fmt::format("{}: {} W {} in every row, as of stray light or a wrong dark signal.",
                          camera, amount(suspect, 1), more ? "too much" : "too little");
     case SuspectKind::right:
-      if (alone && kind != "voxels")
+      if (cameras == 1 && kind != "voxels")
         return fmt::format("The axis is {} mm too far {} in the picture of {}.",
                            amount(suspect, 1e-3), more ? "right" : "left", camera);
       return fmt::format("{}: it stands {} mm farther {} than the scene says, or is turned.",
@@ -111,7 +111,7 @@ std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std:
                       readable_percent(figures.light_outside[v]), cameras.at(v)));
   for (const Suspect& suspect : figures.suspects)
     if (suspect.named)
-      lines.push_back(sentence(suspect, kind, cameras.at(suspect.view), cameras.size() == 1));
+      lines.push_back(sentence(suspect, kind, cameras.at(suspect.view), cameras.size()));
   return lines;
 }
 

@@ -200,6 +200,15 @@ double strength_of_brightness(const ScaledProblem& problem, const std::vector<do
   return own > 0 ? drawn / own : std::numeric_limits<double>::max();
 }
 
+/// Share of the unknowns that may shine which do.
+double share_of_lit(const std::vector<double>& values, const std::vector<char>& solved) {
+  constexpr double kLit = 0.05;  // of the largest
+  const double least = kLit * *std::ranges::max_element(values);
+  const auto lit = std::ranges::count_if(values, [&](double value) { return value > least; });
+  return static_cast<double>(lit) /
+         static_cast<double>(std::max<std::ptrdiff_t>(1, std::ranges::count(solved, char{1})));
+}
+
 /// Strength by cross-validation; what was found on the way is the next start.
 /// @param guess of the flame
 std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<const double> b,
@@ -262,10 +271,13 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   // The prior has to allow a flame as bright as the one that was found. Where the pictures resolve
   // little, the choice of the strength knows how fine the structure is that they see, and not how
   // much light a wide one may hold that they do not.
+  // And only places with light bend: the amplitude that the strength tells in the mean of all is
+  // theirs, and larger.
   if (result.strength > 0) {
     const double bright =
         strength_of_brightness(problem, input.prior, result.values, watch.inner());
-    prior = problem.regularisation(std::min(result.strength, bright));
+    const double lit = share_of_lit(result.at_places, result.solved);
+    prior = problem.regularisation(std::min(lit * result.strength, bright));
   }
   draw_posterior(linear, prior, settings.draws, 1, add, watch.rest(1), accuracy);
   for (const double square : squares)
