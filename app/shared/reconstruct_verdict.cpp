@@ -36,8 +36,9 @@ std::string sentence(const Suspect& suspect, const std::string& kind, const std:
       if (cameras == 1 && kind != "voxels")
         return fmt::format("The axis is {} mm too far {} in the picture of {}.",
                            amount(suspect, 1e-3), more ? "right" : "left", camera);
-      return fmt::format("{}: it stands {} mm farther {} than the scene says, or is turned.",
-                         camera, amount(suspect, 1e-3), more ? "right" : "left");
+      return fmt::format("{}: it stands {} mm farther {} than the scene says, or is turned{}.",
+                         camera, amount(suspect, 1e-3), more ? "right" : "left",
+                         cameras < 4 ? ", or another camera is" : "");
     case SuspectKind::up:
       return fmt::format("{}: it stands {} mm {} than the scene says, or is tilted.", camera,
                          amount(suspect, 1e-3), more ? "higher" : "lower");
