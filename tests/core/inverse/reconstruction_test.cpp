@@ -278,12 +278,10 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
 }
 
 // Stated deviations are the errors, of a flame that is no sum of the samples' hats; the scatter of
-// what is found of new noise is a part of them. statistical/flame_families_test.cpp holds them
-// against families of flames that are rendered.
+// what is found of new noise is a part of them (statistical/flame_families_test.cpp: of families).
 TEST(Reconstruction, DeviationsAreTheErrors) {
   Rig rig = ring_rig();
-  // Without a cusp on the axis and with ends within the rings, as flames are that diffuse: what
-  // bends within less than a ring is no draw of the prior.
+  // Without a cusp on the axis and with ends within the rings: a prior draws no cusps.
   rig.field = [](Vec3 p) {
     const double x = (p.x - 1) / 4e-3, y = p.y / 4e-3, q = x * x + y * y, z = p.z / 9e-3;
     const auto end = [](double s) { return std::pow(std::max(0.0, 1 - s), 2); };
@@ -341,7 +339,6 @@ TEST(Reconstruction, NoOtherStrengthIsMuchBetter) {
   }
 }
 
-// Stated deviations are those of the solution: more iterations than it took change nothing.
 // Solutions end before their last iteration, and draws of noise take as long as all the rest: what
 // is reported goes on through both, up to the whole.
 TEST(Reconstruction, ProgressGoesOnToTheEnd) {
@@ -596,15 +593,6 @@ TEST(Reconstruction, LeavesOutAndCounts) {
   rig.unknowns = make_ring_unknowns(high);
   input.unknowns = rig.unknowns.get();
   EXPECT_THROW(reconstruct(input, rig.settings), InputError);
-}
-
-TEST(Measurement, InversePlanck) {
-  const SourceFunction band = SourceFunction::band(650e-9, 10e-9), total = SourceFunction::total();
-  for (const double t : {300.0, 1000.0, 1800.0, 3000.0}) {
-    EXPECT_TRUE(relative(temperature_of(band, band(t)), t, 1e-12));
-    EXPECT_TRUE(relative(temperature_of(total, total(t)), t, 1e-12));
-  }
-  EXPECT_EQ(temperature_of(band, 0), 0);
 }
 
 }  // namespace
