@@ -77,6 +77,9 @@ class ScoreTests {
   static constexpr int kMostNamed = 3;
   /// Standard deviations. Grids and pictures leave more than noise, so that 4 were false alarms.
   static constexpr double kSignificant = 6;
+  /// Of the misfit beyond noise: what explains less of it is an accident of the grid, whose misfit
+  /// has many pixels in common and is no noise.
+  static constexpr double kLeastExplained = 0.1;
 
   double product(std::span<const double> a, std::span<const double> b) const {
     const std::span<const double> weights = model_.problem->weights();
@@ -90,6 +93,9 @@ class ScoreTests {
                                 const std::vector<Eigen::Index>& named) const {
     Eigen::Index best = -1;
     double most = kSignificant;
+    const double factor = found_.noise_factor;
+    const double beyond_noise =
+        product(model_.residual, model_.residual) * (1 - 1 / (factor * factor));
     for (Eigen::Index j = 0; j < score.size(); ++j) {
       if (std::ranges::find(named, j) != named.end()) continue;
       double left = score[j], known = information(j, j);
@@ -101,7 +107,8 @@ class ScoreTests {
         known -= share.dot(with);
       }
       if (!(known > kLeastLeft * information(j, j))) continue;
-      const double significance = std::fabs(left) / (found_.noise_factor * std::sqrt(known));
+      if (left * left / known < kLeastExplained * beyond_noise) continue;
+      const double significance = std::fabs(left) / (factor * std::sqrt(known));
       if (significance > most) most = significance, best = j;
     }
     return best;
