@@ -4,39 +4,23 @@
     tools/draw_calibration.py [FOLDER]     the pictures stay in FOLDER (out/calibration) and are used again
 
 The white picture is that of docs/real-cameras.md. The Bayer picture is a part of the one in README.md, with the filters of a colour
-sensor. Needs the flame of tools/make_overview.py, matplotlib, and the built command and Python package
-(PLENOFLAME: build/release/app/cli/plenoflame).
+sensor. Needs what drawing.py says.
 """
 
 import csv
-import os
-import pathlib
 import re
-import subprocess
-import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-COMMAND = pathlib.Path(os.environ.get("PLENOFLAME", ROOT / "build/release/app/cli/plenoflame")).resolve()
-sys.path.insert(0, str(COMMAND.parents[2] / "lib/python3/dist-packages"))
+from drawing import ROOT, run, save, turbulent_flame, working_folder
 
-try:
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy
-    import plenoflame
-    from matplotlib.patches import Circle
-    from PIL import Image
-except ImportError as missing:
-    sys.exit(f"draw_calibration.py: {missing}: tools/setup.sh python dev, and cmake --build build/release")
+import matplotlib.pyplot as plt
+import numpy
+import plenoflame
+from matplotlib.patches import Circle
+from PIL import Image
 
 TYPES = ("#56b4e9", "#e69f00", "#00b377")
 FILTERS = {"red": (0, 0), "green": (0, 1), "blue": (1, 1)}  # a row and a column of each in the pattern rggb
 WINDOW = (6576 - 3188, 1010, 120, 120)                      # of the raw picture
-
-
-def run(folder, command):
-    subprocess.run([str(COMMAND), *command], cwd=folder, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
 def white(folder):
@@ -46,9 +30,9 @@ def white(folder):
     (folder / "nominal.toml").write_text(nominal)
     real = 'pitch = "127.4 um"\nrotation = "0.8 deg"\noffset = ["20 um", "0 um"]'
     (folder / "real.toml").write_text(re.sub("^pitch.*", real, nominal, flags=re.MULTILINE))
-    run(folder, ["render", "real.toml", "--white", "--samples", "64", "--quiet", "-o", "white.exr"])
-    run(folder, ["develop", "white.exr", "--exposure", "auto", "-o", "white.tif"])
-    run(folder, ["calibrate", "white", "white.tif", "--camera", "nominal.toml", "--centres", "centres.csv"])
+    run("render", "real.toml", "--white", "--samples", "64", "--quiet", "-o", "white.exr", where=folder)
+    run("develop", "white.exr", "--exposure", "auto", "-o", "white.tif", where=folder)
+    run("calibrate", "white", "white.tif", "--camera", "nominal.toml", "--centres", "centres.csv", where=folder)
     with open(folder / "centres.csv") as file:
         return numpy.asarray(Image.open(folder / "white.tif"), float), list(csv.DictReader(file))
 
@@ -74,22 +58,20 @@ def draw_white(folder):
     handles = [plt.Line2D([], [], color=colour, lw=2.2, label=f"type {k + 1}") for k, colour in enumerate(TYPES)]
     panels[1].legend(handles=handles, loc="lower right", bbox_to_anchor=(1.01, 0.99), ncols=3, frameon=False, columnspacing=1)
     panels[1].set_xlim(0, numbers.shape[1])
-    save(figure, "white-lattice.png")
+    save(figure, "white-lattice.png", 125)
 
 
 def bayer(folder):
     """Electrons of the raw picture, behind filters of three colours."""
-    flame = ROOT / "out/overview/turbulent.vdb"
-    if not flame.exists():
-        sys.exit(f"draw_calibration.py: {flame} is missing: tools/make_overview.py")
+    flame = turbulent_flame(ROOT / "out/overview")
     scene = (ROOT / "examples/python/turbulent.toml").read_text().replace('"turbulent.vdb"', f'"{flame}"')
     for response, colour in zip(("cie_x", "cie_y", "cie_z"), FILTERS):
         scene = scene.replace(response, "nikon_d5100_" + colour)
     sensor = 'sensor.mosaic = "rggb"\nsensor.full_well = 20000\nsensor.read_noise = 8\nsensor.bits = 12\n'
     (folder / "bayer.toml").write_text(scene.replace("up = [0, 1, 0]\n", "up = [0, 1, 0]\n" + sensor))
-    run(folder, ["render", "bayer.toml", "--camera", "r29", "--samples", "48", "--quiet", "--window", ",".join(map(str, WINDOW)),
-                 "-o", "bayer.exr"])
-    run(folder, ["develop", "bayer.exr", "--sensor", "-o", "bayer-electrons.exr"])
+    run("render", "bayer.toml", "--camera", "r29", "--samples", "48", "--quiet", "--window", ",".join(map(str, WINDOW)),
+                 "-o", "bayer.exr", where=folder)
+    run("develop", "bayer.exr", "--sensor", "-o", "bayer-electrons.exr", where=folder)
     return plenoflame.read_light_field(folder / "bayer-electrons.exr")["sensor.raw"]
 
 
@@ -116,23 +98,14 @@ def draw_bayer(folder):
     for axes in panels:
         axes.set_xlabel("column (pixels)")
         axes.set_ylabel("row (pixels)")
-    save(figure, "bayer-raw.png")
-
-
-def save(figure, name):
-    target = ROOT / "docs/images" / name
-    figure.savefig(target, dpi=125)
-    if target.stat().st_size > 4e5:
-        Image.open(target).convert("RGB").quantize(255).save(target, optimize=True)
-    print(target)
+    save(figure, "bayer-raw.png", 125)
 
 
 def main():
-    folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out/calibration").resolve()
-    folder.mkdir(parents=True, exist_ok=True)
+    place = working_folder("calibration")
     plt.rcParams.update({"font.family": "DejaVu Sans", "font.size": 13, "axes.titlesize": 14})
-    draw_white(folder)
-    draw_bayer(folder)
+    draw_white(place)
+    draw_bayer(place)
 
 
 if __name__ == "__main__":

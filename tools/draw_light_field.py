@@ -3,47 +3,26 @@
 
     tools/draw_light_field.py [FOLDER]     the light field stays in FOLDER (out/near) and is used again
 
-The light field is that of examples/python/turbulent-near.toml, with the flame of turbulent_flame.py beside it. Needs matplotlib, and
-the built command and Python package (PLENOFLAME: build/release/app/cli/plenoflame).
+The light field is that of examples/python/turbulent-near.toml, with the flame of turbulent_flame.py beside it. Needs what
+drawing.py says.
 """
 
-import os
-import pathlib
-import subprocess
-import sys
+from drawing import ROOT, make, save, turbulent_flame, working_folder
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-COMMAND = pathlib.Path(os.environ.get("PLENOFLAME", ROOT / "build/release/app/cli/plenoflame")).resolve()
-PACKAGES = COMMAND.parents[2] / "lib/python3/dist-packages"
-sys.path.insert(0, str(PACKAGES))
-
-try:
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy
-    import plenoflame
-    from PIL import Image
-except ImportError as missing:
-    sys.exit(f"draw_light_field.py: {missing}: tools/setup.sh python dev, and cmake --build build/release")
+import matplotlib.pyplot as plt
+import numpy
+import plenoflame
 
 DEPTHS = (0.975, 1.0, 1.025)  # [m]
 LUMINANCE = 683e-3            # [kcd/m^2] of 1 W/(m^2 sr) through the CIE response y
 
 
-def light_field(folder):
-    folder.mkdir(parents=True, exist_ok=True)
-    scene = ROOT / "examples/python/turbulent-near.toml"
-    if not (scene.parent / "turbulent.vdb").exists():
-        subprocess.run(["/usr/bin/python3", scene.parent / "turbulent_flame.py"], check=True, stdout=subprocess.DEVNULL,
-                       env={**os.environ, "PYTHONPATH": str(PACKAGES)})
-    if not (folder / "near.exr").exists():
-        subprocess.run([str(COMMAND), "render", str(scene), "--samples", "5", "--quiet", "-o", str(folder / "near.exr")], check=True)
-    return plenoflame.read_light_field(folder / "near.exr")
-
-
 def main():
-    field = light_field(pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out/near"))
+    place = working_folder("near")
+    scene = ROOT / "examples/python/turbulent-near.toml"
+    turbulent_flame(scene.parent)
+    make(place, {"near.exr": f"render {scene} --samples 5 --quiet -o near.exr"})
+    field = plenoflame.read_light_field(place / "near.exr")
     views = field.views(3)
     panels = [(views[1, column], f"view from the\n{side} of the lens", None)
               for column, side in enumerate(("left", "middle", "right"))]
@@ -71,10 +50,7 @@ def main():
     for axis in axes[4:]:
         axis.set_yticklabels(())
     figure.colorbar(shown, ax=axes, label="luminance (kcd/m$^2$)", pad=0.01, shrink=0.9)
-    target = ROOT / "docs/images/turbulent-planes.png"
-    figure.savefig(target, dpi=112)
-    Image.open(target).convert("RGB").save(target, optimize=True)
-    print(target)
+    save(figure, "turbulent-planes.png", 112)
 
 
 if __name__ == "__main__":

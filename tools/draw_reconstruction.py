@@ -4,30 +4,17 @@
     tools/draw_reconstruction.py [FOLDER]     the light field and the result stay in FOLDER (out/reconstruction) and are used again
 
 The case is the R29 of docs/reconstruct.md: a candle, one picture with the sensor's noise, rings around the axis. The true emission
-is absorption times Planck's function over the channel. Needs matplotlib, and the built command and Python package
-(PLENOFLAME: build/release/app/cli/plenoflame).
+is absorption times Planck's function over the channel. Needs what drawing.py says.
 """
 
-import os
-import pathlib
 import shutil
-import subprocess
-import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-COMMAND = pathlib.Path(os.environ.get("PLENOFLAME", ROOT / "build/release/app/cli/plenoflame")).resolve()
-sys.path.insert(0, str(COMMAND.parents[2] / "lib/python3/dist-packages"))
+from drawing import ROOT, make, save, working_folder
 
-try:
-    import matplotlib
-    matplotlib.use("Agg")
-    import matplotlib.pyplot as plt
-    import numpy
-    import plenoflame
-    from PIL import Image
-    from scipy.interpolate import RegularGridInterpolator
-except ImportError as missing:
-    sys.exit(f"draw_reconstruction.py: {missing}: tools/setup.sh python dev, and cmake --build build/release")
+import matplotlib.pyplot as plt
+import numpy
+import plenoflame
+from scipy.interpolate import RegularGridInterpolator
 
 FOOT = (1, 0, -0.016)             # of the flame in the scene [m]
 BAND = (645e-9, 655e-9)           # of the channel [m]
@@ -38,13 +25,11 @@ def computed(folder):
     """Paths of the true flame and of the reconstructed one; made where missing."""
     (folder / "examples").mkdir(parents=True, exist_ok=True)
     shutil.copy(ROOT / "examples/candle-r29.toml", folder / "examples")
-    for file, command in (("examples/candle.vdb", "flame candle -o examples/candle.vdb"),
-                          ("r29.exr", "render examples/candle-r29.toml --samples 128 --quiet -o r29.exr"),
-                          ("r29-electrons.exr", "develop r29.exr --sensor -o r29-electrons.exr"),
-                          ("r29.vdb", "reconstruct examples/candle-r29.toml --images r29-electrons.exr --unknowns rings --bin 4 --rays 8 "
-                                      "--absorption scene --quiet -o r29.vdb")):
-        if not (folder / file).exists():
-            subprocess.run([str(COMMAND), *command.split()], cwd=folder, check=True)
+    make(folder, {"examples/candle.vdb": "flame candle -o examples/candle.vdb",
+                  "r29.exr": "render examples/candle-r29.toml --samples 128 --quiet -o r29.exr",
+                  "r29-electrons.exr": "develop r29.exr --sensor -o r29-electrons.exr",
+                  "r29.vdb": "reconstruct examples/candle-r29.toml --images r29-electrons.exr --unknowns rings --bin 4 --rays 8 "
+                             "--absorption scene --quiet -o r29.vdb"})
     return folder / "examples/candle.vdb", folder / "r29.vdb"
 
 
@@ -77,8 +62,7 @@ def panel(figure, axes, values, title, unit, **options):
 
 
 def main():
-    folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out/reconstruction").resolve()
-    truth, result = computed(folder)
+    truth, result = computed(working_folder("reconstruction"))
     temperature = slice_of(truth, "temperature")
     emission = emission_of(temperature, slice_of(truth, "absorption"))
     found = {name: slice_of(result, name, FOOT) for name in
@@ -100,10 +84,7 @@ def main():
         reach = numpy.nanpercentile(numpy.abs(back - true), 99.5)
         panel(figure, line[2], back - true, "\ndifference", unit, cmap="RdBu_r", vmin=-reach, vmax=reach)
         panel(figure, line[3], deviation, "\nstated deviation", unit, cmap="viridis", vmin=0, vmax=numpy.nanpercentile(deviation, 99.5))
-    target = ROOT / "docs/images/reconstruction-slices.png"
-    figure.savefig(target, dpi=122)
-    Image.open(target).convert("RGB").save(target, optimize=True)
-    print(target)
+    save(figure, "reconstruction-slices.png", 122)
 
 
 if __name__ == "__main__":

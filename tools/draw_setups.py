@@ -4,17 +4,14 @@
     xvfb-run -a tools/draw_setups.py [NAME ...]     scene, ring; without any, both
 
 Lens, microlenses, sensor, rays and flame come from the scenes in examples/. Only lengths along the optical axis are shortened,
-in the ranges that are marked with two slanted lines. Needs the Python package with VTK (PLENOFLAME: build/release/app/cli/plenoflame).
+in the ranges that are marked with two slanted lines. Needs the Python package with VTK, and
+what drawing.py says.
 """
 
-import os
-import pathlib
 import re
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-COMMAND = pathlib.Path(os.environ.get("PLENOFLAME", ROOT / "build/release/app/cli/plenoflame")).resolve()
-sys.path.insert(0, str(COMMAND.parents[2] / "lib/python3/dist-packages"))
+from drawing import ROOT, turbulent_flame
 
 try:
     import numpy
@@ -43,7 +40,7 @@ BACKGROUND, INK = (0.035, 0.04, 0.05), (0.92, 0.93, 0.95)
 def example(name, position, scale):
     """A scene of examples/ with the turbulent flame at this scale, its foot at `position`."""
     text = (ROOT / "examples" / name).read_text()
-    flame = f'kind = "vdb"\nfile = "{ROOT / "out/overview/turbulent.vdb"}"\nscale = {scale}'
+    flame = f'kind = "vdb"\nfile = "{turbulent_flame(ROOT / "out/overview")}"\nscale = {scale}'
     text = re.sub(r'preset = "paper-layered"\nposition = .*', f"{flame}\nposition = {position}", text)
     return plenoflame.Scene(text=text)
 

@@ -4,30 +4,19 @@
     tools/make_overview.py [FOLDER]     the flame and the light fields stay in FOLDER (out/overview) and are used again
 
 Colours follow from the channels X, Y and Z of examples/python/turbulent.toml: CIE 1931 to linear sRGB, white at WHITE, a tenth
-of the plain camera's light spread by the bloom. Needs SciPy, Pillow, and the built command and Python package
-(PLENOFLAME: build/release/app/cli/plenoflame).
+of the plain camera's light spread by the bloom. Needs what drawing.py says.
 """
 
 import csv
 import math
-import os
-import pathlib
 import shutil
-import subprocess
-import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
-COMMAND = pathlib.Path(os.environ.get("PLENOFLAME", ROOT / "build/release/app/cli/plenoflame")).resolve()
-PACKAGES = COMMAND.parents[2] / "lib/python3/dist-packages"
-sys.path.insert(0, str(PACKAGES))
+from drawing import ROOT, run, turbulent_flame, working_folder
 
-try:
-    import numpy
-    import plenoflame
-    from PIL import Image, ImageDraw, ImageFont
-    from scipy import ndimage
-except ImportError as missing:
-    sys.exit(f"make_overview.py: {missing}: tools/setup.sh python dev, and cmake --build build/release")
+import numpy
+import plenoflame
+from PIL import Image, ImageDraw, ImageFont
+from scipy import ndimage
 
 WHITE = 90e3  # [cd/m^2] becomes the white of sRGB
 TO_RGB = numpy.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
@@ -41,26 +30,19 @@ FONT = "DejaVuSans.ttf"
 SIZE = 24
 
 
-def run(*arguments):
-    subprocess.run([str(a) for a in arguments], check=True, stdout=subprocess.DEVNULL)
-
-
 def rendered(folder):
     """Paths of the plain picture, the raw picture, its detail and the list of micro-images; made where missing."""
-    folder.mkdir(parents=True, exist_ok=True)
     scene = folder / "turbulent.toml"
     shutil.copy(ROOT / "examples/python/turbulent.toml", scene)
-    if not (folder / "turbulent.vdb").exists():
-        subprocess.run(["/usr/bin/python3", ROOT / "examples/python/turbulent_flame.py", "1", folder], check=True,
-                       env={**os.environ, "PYTHONPATH": str(PACKAGES)}, stdout=subprocess.DEVNULL)
+    turbulent_flame(folder)
     left, top, side = DETAIL
     window = f"{RAW[0] - top - side},{left},{side},{side}"
     for name, options in (("plain", ("--camera", "plain", "--samples", "8")),
                           ("raw", ("--camera", "r29", "--samples", "1")),
                           ("detail", ("--camera", "r29", "--samples", "48", "--window", window))):
         if not (folder / f"{name}.exr").exists():
-            run(COMMAND, "render", scene, *options, "--quiet", "-o", folder / f"{name}.exr")
-    run(COMMAND, "truth", folder / "detail.exr", "-o", folder / "micro-images.csv")
+            run("render", scene, *options, "--quiet", "-o", folder / f"{name}.exr")
+    run("truth", folder / "detail.exr", "-o", folder / "micro-images.csv")
     return folder / "plain.exr", folder / "raw.exr", folder / "detail.exr", folder / "micro-images.csv"
 
 
@@ -142,8 +124,7 @@ def mark_types(picture, lenses):
 
 
 def main():
-    folder = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "out/overview")
-    plain, raw, detail, lenses = rendered(folder)
+    plain, raw, detail, lenses = rendered(working_folder("overview"))
     flame = plain_picture(plain)
     sensor = raw_picture(raw, flame.width)
     light = numpy.rot90(linear(detail, 5.5e-6, 1200 / 165))

@@ -38,14 +38,14 @@ std::string object_text(double value) {
   return value < 0 ? "past infinity" : length_text(value);
 }
 
-/// Beyond this a distance that was computed is rounding noise about infinity.
+/// A computed distance beyond this one stands for infinity: its digits are rounding.
 constexpr double kFar = 1e6;  // [m]
 
 std::string focus_text(double value) {
   return std::fabs(value) > kFar ? "infinity" : object_text(value);
 }
 
-/// Beside a pitch of many pixels.
+/// Rounding leaves some 1e-14 pixels between an image and a pitch that are equal.
 std::string overlap_text(double pixels) {
   if (std::fabs(pixels) < 1e-9) return "as wide as the pitch";
   return readable_number(std::fabs(pixels)) + (pixels > 0 ? " more" : " less") + " than the pitch";

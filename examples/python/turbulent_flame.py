@@ -11,6 +11,7 @@ radiated heat. Soot is a band of rich mixture, 4 ppm at most, and needs 70 mm of
 
 import pathlib
 import sys
+from typing import Any
 
 import numpy
 from scipy import fft, ndimage
@@ -30,7 +31,7 @@ SOOT_HEIGHT = 0.07                      # [m]
 SOOT_FUNCTION, WAVELENGTH = 0.26, 650e-9
 
 
-def eddies(seed):
+def eddies(seed: int) -> tuple[Any, Any]:
     """Velocity of the eddies (3, 128, 128, 192) with RMS 1 per component, periodic, and samples per metre."""
     random = numpy.random.default_rng(seed)
     shape, box = (128, 128, 192), numpy.array([0.192, 0.192, 0.288])
@@ -47,7 +48,7 @@ def eddies(seed):
     return velocity / numpy.sqrt((velocity ** 2).mean()), (shape / box).astype(numpy.float32)
 
 
-def mixture_fraction(spacing, seed, steps=24):
+def mixture_fraction(spacing: float, seed: int, steps: int = 24) -> tuple[Any, Any]:
     across, up = round(WIDTH / spacing), round(HEIGHT / spacing)
     side = (numpy.arange(across) - (across - 1) / 2) * spacing
     height = (numpy.arange(up) + 1) * spacing
@@ -70,7 +71,7 @@ def mixture_fraction(spacing, seed, steps=24):
     return ndimage.gaussian_filter(mixture, DIFFUSION / spacing), height
 
 
-def state(mixture, height):
+def state(mixture: Any, height: Any) -> tuple[Any, Any]:
     """(temperature [K], absorption at 650 nm [1/m]) of a mixture fraction."""
     lean = mixture / STOICHIOMETRIC
     rich = COLDEST_RICH + (1 - COLDEST_RICH) * numpy.clip((1 - mixture) / (1 - STOICHIOMETRIC), 0, 1) ** 2.2

@@ -125,6 +125,7 @@ class Outputs(CommandTest):
                              ("operator s.toml -o a.exr", ".npz"), ("rays s.toml --pixel 5,5 -o a.exr", ".vtp"),
                              ("corners s.toml -o a.exr", ".csv"), ("merge r.exr q.exr -o a.png", ".exr"), ("develop r.exr -o a.csv", ".png"),
                              ("pyrometry r.exr -o a.csv", ".exr"), ("pyrometry r.exr --picture a.exr", ".png"),
+                             ("pyrometry r.exr --truth-picture a.exr", "--truth-picture: 'a.exr' must end in .png"),
                              ("camera import s.xml -o a.exr", ".toml"), ("calibrate white w.tif --camera s.toml -o a.exr", ".toml"),
                              ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.exr", ".csv"),
                              ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.csv --picture a.exr", ".png")):

@@ -38,9 +38,8 @@ std::string errors_text(double count) {
 /// Says what the largest difference in units of its error means, without digits that say nothing.
 std::string largest_text(const Comparison& c) {
   if (c.freedom < kFreedomForPixels)
-    return fmt::format(
-        "not judged: errors from {:g} replicates are too rough for single pixels",
-        c.freedom + 1);
+    return fmt::format("not judged: errors from {:g} replicates are too rough for single pixels",
+                       c.freedom + 1);
   const std::string size = fmt::format("{:.1f} of its errors", c.largest_z) +
                            at_pixel(c.largest_z_column, c.largest_z_row);
   if (c.largest_z_probability > 0.05) return size + ", as is usual among so many pixels";

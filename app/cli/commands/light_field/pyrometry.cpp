@@ -180,8 +180,8 @@ int run_pyrometry(const PyrometryArguments& settings) {
   for (const std::string& path : {settings.output, settings.picture, settings.truth})
     if (!path.empty()) check_writable(path);
   if (!settings.output.empty()) check_ending("--output", settings.output, {".exr"});
-  for (const std::string& path : {settings.picture, settings.truth})
-    if (!path.empty()) check_ending("--picture", path, {".png"});
+  if (!settings.picture.empty()) check_ending("--picture", settings.picture, {".png"});
+  if (!settings.truth.empty()) check_ending("--truth-picture", settings.truth, {".png"});
   if (settings.filters.empty() && !settings.channels.empty() && settings.channels.size() != 2)
     throw UsageError("--channels: two names, separated by a comma");
   const LightField field = read_light_field(settings.input);

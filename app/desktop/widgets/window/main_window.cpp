@@ -12,8 +12,8 @@
 #include <QMenuBar>
 #include <QMessageBox>
 #include <QMimeData>
-#include <QSplitter>
 #include <QScreen>
+#include <QSplitter>
 #include <QStatusBar>
 #include <QThread>
 #include <QTreeView>

@@ -84,9 +84,8 @@ void check_strength(const std::string& key, double focal_length, double diameter
                                 short_length(kShortest * diameter)));
 }
 
-/// A stop may be somewhat wider than the glass beside it, and the light still converges to less
-/// than it. Beyond that the rims of the glass end the light, and the f-number, which is that of the
-/// stop, is none of the lens.
+/// The f-number is computed from the stop. It is wrong where the rims of the glass limit the light
+/// instead. Light that converges may pass a stop that is somewhat wider than the glass behind it.
 void check_stop(const std::vector<SurfaceSpec>& surfaces, std::size_t stop, Issues& issues) {
   constexpr double kMostWider = 1.5;
   double widest = 0;
@@ -95,8 +94,8 @@ void check_stop(const std::vector<SurfaceSpec>& surfaces, std::size_t stop, Issu
   if (widest > 0 && surfaces[stop].diameter > kMostWider * widest)
     issues.warning(fmt::format("camera.lens.surfaces[{}].diameter", stop),
                    fmt::format("the stop of the main lens is {} wide and its widest surface {}: "
-                               "the surfaces end the light, and the f-number is smaller than that "
-                               "of the lens; make the stop smaller",
+                               "the surfaces limit the light, and the f-number, which is computed "
+                               "from the stop, is too small; make the stop smaller",
                                short_length(surfaces[stop].diameter), short_length(widest)));
 }
 
