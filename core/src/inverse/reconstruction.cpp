@@ -180,7 +180,8 @@ double strength_of_brightness(const ScaledProblem& problem, const std::vector<do
                               std::vector<double> flame, const Execution& execution) {
   constexpr int kDraws = 8;
   constexpr double kLit = 0.05;  // of the largest
-  const ProbeAccuracy accuracy{500, 1e-3};
+  // Wide structures, which come last, hold most of the light.
+  const ProbeAccuracy accuracy{2000, 1e-5};
   const double brightest = *std::ranges::max_element(flame);
   std::vector<char> lit;
   for (const double value : flame) lit.push_back(value > kLit * brightest);
@@ -215,12 +216,10 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
                                        const std::vector<double>& guess,
                                        const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
-  // Flames that are many times brighter than this one are no prior: cross-validation may ask for
-  // such where the error of the model hides the end of the noise.
-  constexpr double kMostTimesBrighter = 5;
+  // Flames that are brighter than this one are no prior. Cross-validation asks for such where
+  // errors of the model, which neighbouring pixels share, pass for what the flame explains.
   StrengthRange range = kLinearRange;
-  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
-                                std::pow(kMostTimesBrighter, 2),
+  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()),
                             range.lowest, 0.01 * range.highest);
   range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
   SolverOptions options;
@@ -231,7 +230,10 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   watch.reached(kChosen);
   const auto rows = static_cast<double>(result.rows - result.left_out);
   result.strength = choice.strength;
-  result.strength_at_end = choice.at_end;
+  // As bright as the flame is where the search has to end.
+  const bool as_bright =
+      choice.strength <= range.lowest && range.lowest > kLinearRange.lowest;
+  result.strength_at_end = choice.at_end && !as_bright;
   // The solution goes on from there, often with nothing left to do.
   for (const SolverStep& step : choice.solution.history)
     result.history.push_back(step.misfit / rows);
@@ -268,16 +270,16 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
   };
   Regularisation prior = penalty;
-  // The prior has to allow a flame as bright as the one that was found. Where the pictures resolve
-  // little, the choice of the strength knows how fine the structure is that they see, and not how
-  // much light a wide one may hold that they do not.
-  // And only places with light bend: the amplitude that the strength tells in the mean of all is
-  // theirs, and larger.
   if (result.strength > 0) {
-    const double bright =
-        strength_of_brightness(problem, input.prior, result.values, watch.inner());
-    const double lit = share_of_lit(result.at_places, result.solved);
-    prior = problem.regularisation(std::min(lit * result.strength, bright));
+    // Only places with light bend: the amplitude that the strength tells in the mean of all is
+    // theirs, and larger.
+    double strength = share_of_lit(result.at_places, result.solved) * result.strength;
+    // One camera sees how fine the structure is, and not how much light is at which depth: its
+    // prior has to allow a flame as bright as the one that was found.
+    if (input.views.size() == 1)
+      strength = std::min(
+          strength, strength_of_brightness(problem, input.prior, result.values, watch.inner()));
+    prior = problem.regularisation(strength);
   }
   draw_posterior(linear, prior, settings.draws, 1, add, watch.rest(1), accuracy);
   for (const double square : squares)

@@ -28,10 +28,12 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr StrengthRange kRange{1e-8, 10, 10, 2, 200};
+constexpr StrengthRange kRange{1e-8, 10, 5, 2, 200};
 /// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
 /// strength.
-constexpr int kLinearisations = 2, kTrialSteps = 4;
+constexpr int kLinearisations = 3, kTrialSteps = 4;
+/// A linearisation tells of strengths that many times weaker or stronger than the one of its own.
+constexpr double kTrusted = 100;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
 
@@ -336,7 +338,7 @@ class ThermalSolver {
 
   /// Strengths tried on the problem that is linearised about x_: steps that are not, for each of
   /// them, would follow all rays again and again.
-  StrengthChoice choose_linearised(const LinearOperator& derivative) const {
+  StrengthChoice choose_linearised(const LinearOperator& derivative, double about) const {
     const FreeSteps steps(derivative, penalty_, free_variables());
     std::vector<double> prior = x_, residual = thermal_fluxes(model_, physical(x_), inner_);
     for (double& value : prior) value = -value;
@@ -344,7 +346,10 @@ class ThermalSolver {
     const LinearProblem problem{&steps.moving, residual, weights_};
     SolverOptions options;
     options.relative_change = kTrialAccuracy;
-    return choose_strength(problem, {&steps.penalty, 0, prior}, 1, kRange, options, inner_);
+    StrengthRange range = kRange;
+    range.lowest = std::max(range.lowest, about / kTrusted);
+    range.highest = std::min(range.highest, about * kTrusted);
+    return choose_strength(problem, {&steps.penalty, 0, prior}, 1, range, options, inner_);
   }
 
   void choose_and_solve() {
@@ -356,10 +361,11 @@ class ThermalSolver {
       for (int k = 0; k < kLinearisations; ++k) {
         x_ = steps(strength, x_, kTrialSteps, kTrialChange, done, 0.15, true).x;
         done += 0.15;
-        const StrengthChoice choice = choose_linearised(*derivative_at(x_));
+        const StrengthChoice choice = choose_linearised(*derivative_at(x_), strength);
         if (inner_.stop.stop_requested()) return;
         strength = choice.strength;
-        figures.strength_at_end = choice.at_end;
+        figures.strength_at_end =
+            strength <= kRange.lowest || strength >= kRange.highest;
         figures.trials.clear();
         for (const StrengthPoint& point : choice.curve)
           figures.trials.push_back(

@@ -10,7 +10,7 @@ struct StrengthPoint {
   double strength = 0;  ///< relative: the absolute one is the unit times it
   double misfit = 0;    ///< |W (A x - b)|^2
   double penalty = 0;   ///< |L (x - prior)|^2
-  double gcv = 0;       ///< misfit / (m - trace of the influence matrix)^2
+  double gcv = 0;       ///< misfit / (m - trace of the influence matrix)^2, see choose_strength()
 };
 
 struct StrengthChoice {
@@ -30,7 +30,8 @@ struct StrengthRange {
 };
 
 /// The strength of least generalised cross-validation (Golub, Heath and Wahba 1979), of the problem
-/// without bounds. Strengths are tried from the strongest to the weakest, until two in a row are
+/// without bounds. The number m is that of independent errors: of rows, and at most five for each
+/// unknown, as errors of a lattice are shared by the pixels that see them. Strengths are tried from the strongest to the weakest, until two in a row are
 /// worse than the best; then others about the best one.
 /// @param unit the absolute strength for a relative one of 1, e.g. penalty_unit()
 /// @param options start, end and watch of the solutions; the range has their iterations

@@ -21,6 +21,15 @@ double counted_rows(const LinearProblem& problem) {
                                            [](double w) { return w > 0; }));
 }
 
+/// Independent errors for each unknown, at most: those of a lattice have as many degrees of freedom
+/// as it has, whatever the number of rows that see them. That was chosen by experiment.
+constexpr double kErrorsOfUnknown = 5;
+
+double independent_errors(const LinearProblem& problem) {
+  return std::min(counted_rows(problem),
+                  kErrorsOfUnknown * static_cast<double>(problem.a->columns()));
+}
+
 /// Trace of the influence matrix W A (A^T W^2 A + s L^T L)^-1 A^T W, by probing: the same random
 /// signs for every strength, so that the curve is smooth (Girard 1989).
 double influence(const LinearProblem& problem, const Regularisation& penalty,
@@ -69,7 +78,9 @@ class Trials {
       if (from < solutions_.size()) options_.start = solutions_[from].x;
       Solution solution = solve_cgls(problem_, penalty_, options_, execution_);
       const double left =
-          counted_rows(problem_) - influence(problem_, penalty_, range_, execution_);
+          independent_errors(problem_) - influence(problem_, penalty_, range_, execution_);
+      // What a stop cuts short tells no trace.
+      if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();
       curve_.push_back(
           {strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left)});
