@@ -216,10 +216,13 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
                                        const std::vector<double>& guess,
                                        const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
-  // Flames that are brighter than this one are no prior. Cross-validation asks for such where
-  // errors of the model, which neighbouring pixels share, pass for what the flame explains.
+  // Flames that are more than twice as bright as this one are no prior. Cross-validation asks for
+  // such where errors of the model, which neighbouring pixels share, pass for what the flame
+  // explains.
+  constexpr double kMostTimesBrighter = 2;
   StrengthRange range = kLinearRange;
-  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()),
+  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
+                                std::pow(kMostTimesBrighter, 2),
                             range.lowest, 0.01 * range.highest);
   range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
   SolverOptions options;
@@ -231,8 +234,7 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   const auto rows = static_cast<double>(result.rows - result.left_out);
   result.strength = choice.strength;
   // As bright as the flame is where the search has to end.
-  const bool as_bright =
-      choice.strength <= range.lowest && range.lowest > kLinearRange.lowest;
+  const bool as_bright = choice.strength <= range.lowest && range.lowest > kLinearRange.lowest;
   result.strength_at_end = choice.at_end && !as_bright;
   // The solution goes on from there, often with nothing left to do.
   for (const SolverStep& step : choice.solution.history)

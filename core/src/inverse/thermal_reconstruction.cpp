@@ -364,8 +364,7 @@ class ThermalSolver {
         const StrengthChoice choice = choose_linearised(*derivative_at(x_), strength);
         if (inner_.stop.stop_requested()) return;
         strength = choice.strength;
-        figures.strength_at_end =
-            strength <= kRange.lowest || strength >= kRange.highest;
+        figures.strength_at_end = strength <= kRange.lowest || strength >= kRange.highest;
         figures.trials.clear();
         for (const StrengthPoint& point : choice.curve)
           figures.trials.push_back(
