@@ -28,12 +28,12 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr StrengthRange kRange{1e-8, 10, 5, 2, 200};
+constexpr StrengthRange kRange{1e-8, 10, 3, 2, 200};
 /// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
 /// strength.
 constexpr int kLinearisations = 3, kTrialSteps = 4;
 /// A linearisation tells of strengths that many times weaker or stronger than the one of its own.
-constexpr double kTrusted = 100;
+constexpr double kTrusted = 10;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
 

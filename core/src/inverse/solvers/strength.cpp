@@ -23,7 +23,7 @@ double counted_rows(const LinearProblem& problem) {
 
 /// Independent errors for each unknown, at most: those of a lattice have as many degrees of freedom
 /// as it has, whatever the number of rows that see them. That was chosen by experiment.
-constexpr double kErrorsOfUnknown = 6;
+constexpr double kErrorsOfUnknown = 5;
 
 double independent_errors(const LinearProblem& problem) {
   return std::min(counted_rows(problem),
