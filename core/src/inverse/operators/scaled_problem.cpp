@@ -189,7 +189,7 @@ Solution ScaledProblem::solve(std::span<const double> b, double strength,
 std::vector<double> ScaledProblem::without_bounds(std::span<const double> b, double strength,
                                                   const Execution& execution) const {
   SolverOptions options;
-  options.iterations = kLinearRange.iterations;
+  options.iterations = std::min(settings_.iterations, kLinearRange.iterations);
   options.gradient = kGradient * noise_gradient_;
   options.relative_change = 0;
   Solution solution = solve_cgls(problem(b), regularisation(strength), options, execution);
