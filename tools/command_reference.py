@@ -36,26 +36,23 @@ stands in parentheses.
 ALIKE = (
     ("Print the results as JSON",
      ("Print the figures as JSON", "Print what was written as JSON", "Print the report as JSON")),
-    ("One of the scene's cameras ([[cameras]]); may be repeated for render, sweep, operator and reconstruct; the others need it "
-     "where the scene has several",
-     ("Only this one of the scene's cameras ([[cameras]]); may be repeated",
-      "Which of the scene's cameras; needed where it has several ([[cameras]])")),
-    ("Time since the first frame in place of --frame, with unit, e.g. 2.5ms",
-     ("The same by the time since the first frame, with unit, e.g. 2.5ms",)),
-    ("Make only part K of N, in OUT-part-K-of-N.exr (sweep: DIR-part-K-of-N; operator: rows, .npz or .h5): 'plenoflame merge' "
-     "makes the whole, bit by bit; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' N as well from the job array",
-     ("Render only part K of N, into OUT-part-K-of-N.exr: 'plenoflame merge' makes the picture of all, bit by bit; 'auto/N' takes "
-      "K from SLURM_ARRAY_TASK_ID, 'auto' N as well from the job array",
-      "Make only part K of N, in DIR-part-K-of-N: 'plenoflame merge' makes the set of all, bit by bit; 'auto/N' takes K from "
-      "SLURM_ARRAY_TASK_ID, 'auto' N as well from the job array",
+    ("Camera of the scene ([[cameras]]); may be repeated for render, sweep, operator and reconstruct; the other commands need it "
+     "if the scene has several",
+     ("Use only this camera of the scene ([[cameras]]); may be repeated",
+      "Name of the scene's camera ([[cameras]]); needed if the scene has several")),
+    ("Make only part K of N, in OUT-part-K-of-N.exr (sweep: DIR-part-K-of-N; operator: rows, .npz or .h5); 'plenoflame merge' "
+     "joins them to exactly the whole; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array",
+     ("Render only part K of N, into OUT-part-K-of-N.exr; 'plenoflame merge' joins them to exactly the whole picture; 'auto/N' "
+      "takes K from SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array",
+      "Make only part K of N, in DIR-part-K-of-N; 'plenoflame merge' joins them to exactly the whole set; 'auto/N' takes K from "
+      "SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array",
       "Make only the rows of the Kth of N parts, which merge puts together (.npz, .h5); 'auto/N' takes K from "
-      "SLURM_ARRAY_TASK_ID, 'auto' N as well from the job array")),
+      "SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array")),
     ("Only W x H pixels of the sensor from column X, row Y",
      ("Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H", "Only W x H pixels from column X, row Y",
       "Only W x H pixels of the sensor from column X, row Y: X,Y,W,H", "Measure only W x H pixels from column X, row Y: X,Y,W,H")),
-    ("Use the rays that `plenoflame compile` has found for the camera: its seed and number of rays",
-     ("Render by the rays of a camera that `plenoflame compile` has found: its seed and its number of rays",
-      "Render by the rays of a camera that `plenoflame compile` has found")),
+    ("Use the rays that `plenoflame compile` found for the camera, in their number and with their seed",
+     ("Use the rays that `plenoflame compile` found for the camera",)),
     ("Channel; without it, the first",
      ("Channel to develop; without it, the first", "Channel; without it, the first")),
     ("All rays of this pixel: column and row, from the top left; may be repeated",

@@ -18,19 +18,23 @@ RULES = ("long", "opening", "diary", "gets", "glossary")
 # Most findings of each folder, in the order of RULES. Limits only fall: lower one when its count has fallen.
 LIMITS = {
     "README, CONTRIBUTING": (0, 0, 0, 0, 0),
-    "docs": (10, 1, 1, 0, 0),
+    "docs": (0, 0, 0, 0, 0),
     "docs/benchmarks.md": (0, 0, 0, 0, 0),
     "docs/developer": (0, 0, 0, 0, 0),
     "docs/numerics.md": (0, 0, 0, 0, 0),
-    "docs/reference": (2, 5, 0, 0, 0),
-    "docs/theory": (36, 7, 0, 0, 1),
-    "docs/user": (12, 5, 2, 0, 0),
-    "docs/validation.md": (9, 1, 0, 0, 1),
-    "core (comments)": (510, 79, 38, 0, 62),
+    "docs/reconstruct.md": (10, 1, 1, 0, 0),
+    "docs/reference": (0, 0, 0, 0, 0),
+    "docs/theory": (0, 0, 0, 0, 0),
+    "docs/theory/reconstruction.md": (21, 4, 0, 0, 1),
+    "docs/user": (0, 0, 0, 0, 0),
+    "docs/user/operators.md": (12, 5, 2, 0, 0),
+    "docs/validation.md": (8, 0, 0, 0, 1),
+    "core (comments)": (506, 69, 36, 0, 61),
     "volumes (comments)": (26, 4, 1, 0, 0),
     "app (comments)": (89, 16, 24, 0, 2),
 }
 GENERATED = ("docs/reference/", "docs/benchmarks.md", "docs/numerics.md", "docs/validation.md")
+WAITING = ("docs/reconstruct.md", "docs/theory/reconstruction.md", "docs/user/operators.md")  # pages to be rewritten, which count in rows of their own
 SOURCES = ("core", "volumes", "app")
 OPENING = re.compile(r"^(Of|What|That of|Those|So many|As far|Whether|Where)\b")
 DIARY = re.compile(r"\b(was tried|were tried|asked for|was asked|next time|not reached|fell short|falls short)\b", re.I)
@@ -45,8 +49,8 @@ class Sentence:
 
 
 def plain(text):
-    """A line without markup: inline code becomes one word, a link its text, an address nothing."""
-    text = re.sub(r"`[^`]*`", "Code", text)
+    """A line without markup: inline code and a formula become one word, a link its text, an address nothing."""
+    text = re.sub(r"`[^`]*`|\$[^$]+\$", "Code", text)
     text = re.sub(r"!?\[([^\]]*)\]\([^)]*\)", r"\1", text)
     return re.sub(r"<!--.*?-->|<?\bhttps?://\S+", "", text)
 
@@ -68,12 +72,12 @@ def page_sentences(text):
     paragraph, start, fence, comment = [], 0, False, False
     for number, line in enumerate(text.splitlines() + [""], 1):
         bare = line.strip()
-        if bare.startswith("```"):
+        if bare.startswith("```") or bare.count("$$") == 1:
             fence, bare = not fence, ""
         elif bare.startswith("<!--") and "-->" not in bare:
             comment = True
         formula = line.startswith("    ") and not paragraph
-        ignored = fence or comment or formula or not bare or bare.startswith(("|", "<!--"))
+        ignored = fence or comment or formula or not bare or bare.startswith(("|", "<!--", "$$"))
         item = re.match(r"([-*+]|\d+\.)\s+", bare)
         heading = re.match(r"#+\s+", bare)
         if paragraph and (ignored or item or heading):
@@ -133,6 +137,8 @@ def folder_of(path):
     """The row in which a file counts."""
     if path.startswith(SOURCES):
         return f"{path.split('/')[0]} (comments)"
+    if path in WAITING:
+        return path
     if path.startswith(GENERATED):
         return path if path.count("/") == 1 else "docs/reference"
     return path.rpartition("/")[0] or "README, CONTRIBUTING"
@@ -190,9 +196,9 @@ def main():
     if options.limits:
         print("\n".join(f'    "{folder}": ({", ".join(str(row[rule]) for rule in RULES)}),' for folder, row in counts.items()))
         return
-    print(f"{'':24}" + "".join(f"{name:>10}" for name in ("words", *RULES)))
+    print(f"{'':30}" + "".join(f"{name:>10}" for name in ("words", *RULES)))
     for folder, row in counts.items():
-        print(f"{folder:24}" + "".join(f"{n:10}" for n in row.values()))
+        print(f"{folder:30}" + "".join(f"{n:10}" for n in row.values()))
     print(f"all pages, with tables, code and formulas: {sum(len(page.read_text().split()) for page in pages_of(ROOT))} words")
     if options.check and not check(counts, LIMITS):
         sys.exit(1)

@@ -101,6 +101,7 @@ packaging     mmdebstrap               packages: a fresh Debian to install them 
 packaging     xz-utils                 packages: the sources
 site          mkdocs                   documentation as a site (tools/site.sh)
 site          mkdocs-material          its appearance and search
+site          libjs-katex              formulas of the site
 site          doxygen                  reference of the C++ libraries
 dev           clang-tidy-14            static analysis (tools/tidy.sh)
 dev           lcov                     coverage report

@@ -27,10 +27,17 @@ for program in mkdocs doxygen python3; do
   command -v "$program" >/dev/null ||
     { echo "site.sh: $program is missing: tools/setup.sh site installs it" >&2; exit 1; }
 done
+katex=/usr/share/javascript/katex
+[ -e "$katex/katex.min.js" ] || { echo "site.sh: $katex is missing: tools/setup.sh site installs it" >&2; exit 1; }
 
 version=$(sed -n 's/^project(plenoflame VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 mkdir -p "$folder"
 tools/site_source.py prepare . "$folder"
+# KaTeX becomes a part of the site, so that formulas need no network.
+mkdir -p "$folder/source/katex/contrib"
+cp -rL "$katex"/{katex.min.css,katex.min.js,fonts} "$folder/source/katex"
+cp -L "$katex/contrib/auto-render.js" "$folder/source/katex/contrib"
+rm -f "$folder"/source/katex/fonts/*.ttf "$folder"/source/katex/fonts/*.woff  # browsers take the .woff2
 reference=$folder/source/reference
 tools/python_reference.py app/vtk/python/plenoflame >"$reference/python.md"
 cat >"$reference/cpp.md" <<TEXT

@@ -119,7 +119,8 @@ def prepare(root, folder):
         target = source / site_path(name)
         target.parent.mkdir(parents=True, exist_ok=True)
         shutil.copyfile(root / name, target)
-    shutil.copyfile(root / "packaging/site/site.css", source / "site.css")
+    for name in ("site.css", "formulas.js"):
+        shutil.copyfile(root / "packaging/site" / name, source / name)
 
     listed = sections(root)
     known = {page for _, entries in listed for _, page in entries}

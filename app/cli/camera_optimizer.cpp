@@ -33,7 +33,8 @@ class Problem {
       const std::size_t count = name == "focal" ? focal_lengths_.size() : 1;
       for (std::size_t k = 0; k < count; ++k) variables_.push_back({name, k});
     }
-    if (variables_.empty()) throw InputError("nothing is to be varied; choose with --vary");
+    if (variables_.empty())
+      throw InputError("there is no parameter to vary; give some with --vary");
     const bool free = std::any_of(variables_.begin(), variables_.end(),
                                   [](const Variable& v) { return v.name != "focal"; });
     allowed_overlap_ = task.overlap.value_or(free ? 0.0 : std::max(0.0, overlap_pixels(camera)));
@@ -138,11 +139,11 @@ OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& ta
   result.camera = problem.camera_at(x.data());
   const double overlap = overlap_pixels(Camera(result.camera));
   if (overlap > problem.allowed_overlap() + kTouching)
-    throw InputError("no camera within the bounds has micro-images that overlap by at most " +
-                     readable_number(problem.allowed_overlap()) + " pixels: it would be " +
-                     readable_number(overlap) +
-                     " at least; vary aperture, spacing or pitch, raise --bound, or allow more "
-                     "with --overlap");
+    throw InputError(
+        "the bounds allow no camera whose micro-images overlap by at most " +
+        readable_number(problem.allowed_overlap()) + " pixels: the least overlap is " +
+        readable_number(overlap) +
+        "; vary aperture, spacing or pitch, raise --bound, or allow more with --overlap");
   result.merit = merit(Camera(result.camera), task.merit, task.traced);
   result.evaluations = problem.evaluations();
   return result;

@@ -9,7 +9,7 @@ namespace {
 
 [[noreturn]] void cannot_start() {
   constexpr std::string_view kText =
-      "plenoflame: error: the limit on processes or on memory (ulimit -u, -v) leaves no room to "
+      "plenoflame: error: the limit on processes or on memory (ulimit -u, -v) is too low to "
       "start\n";
   static_cast<void>(!write(STDERR_FILENO, kText.data(), kText.size()));
   _exit(1);

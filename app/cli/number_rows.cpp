@@ -60,7 +60,7 @@ std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t cou
       throw InputError(SourcePosition{path, number}, "this is not " + std::string(what));
   }
   if (rows.empty())
-    throw InputError(SourcePosition{path}, "there is no line in it that is " + std::string(what));
+    throw InputError(SourcePosition{path}, "no line of the file is " + std::string(what));
   return rows;
 }
 

@@ -67,7 +67,7 @@ std::string unexpected_arguments(const CLI::App& app) {
     list.append(list.empty() ? "'" : ", '").append(argument).append("'");
   if (list.empty()) return "";
   return (arguments.size() == 1 ? "unexpected argument " : "unexpected arguments ") + list +
-         "; a value with blanks stands in quotes";
+         "; put a value with blanks in quotes";
 }
 
 /// Message about a first argument that is no command; empty: it is one, or an option.
@@ -130,7 +130,7 @@ int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHand
   try {
     if (const std::optional<int> ended = parse(app, action, argc, argv, ranks)) return *ended;
   } catch (const std::bad_alloc&) {
-    return fail(kFailure, "the limit on memory (ulimit -v) leaves no room to start");
+    return fail(kFailure, "the limit on memory (ulimit -v) is too low to start");
   }
   return act(action, interrupt);
 }
@@ -199,7 +199,7 @@ int run(int argc, const char* const* argv, std::optional<InterruptHandler>& inte
   if (dismiss_ranks(*ranks))
     ranks->finish();
   else
-    say("a rank does not answer: it has ended, or the machine that it is on");
+    say("a rank does not answer: its process or its machine has stopped");
   return status;
 }
 

@@ -63,7 +63,8 @@ ColourChannels export_colours(const LightField& field, const Scene* scene, const
     return none ? ColourChannels{} : of_scene;
   }
   if (channels.size() != 3)
-    throw UsageError(prefix + "channels: three names, of red, green and blue, with commas between");
+    throw UsageError(prefix +
+                     "channels needs three names, of red, green and blue, separated by commas");
   if (!channel.empty())
     throw UsageError(prefix + "channel is for grey pictures, " + prefix +
                      "channels for colour; give one of them");

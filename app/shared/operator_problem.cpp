@@ -72,7 +72,7 @@ void check_operator(const OperatorRequest& request) {
   check_unknowns(request.unknowns);
   check_choice("--form", request.form, {"auto", "rays", "drawn"});
   if (request.unknowns.fits_axis())
-    throw UsageError("--axis fit takes pictures, which reconstruct has: give a direction");
+    throw UsageError("--axis fit needs pictures, as in reconstruct; give a direction");
   whole_number_option("--rays", request.rays, 2, kMostSamples);
   CameraRaySettings ignored;
   rows_option(request.bin, request.cells, ignored);
@@ -106,7 +106,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   require_memory((sizeof(double) + 1.0) * static_cast<double>(result->unknowns->size()) *
                      (execution.thread_count() + 1),
                  fmt::format("rows of {} unknowns", result->unknowns->size()),
-                 "take a coarser --grid, or fewer --threads");
+                 "use a coarser --grid, or fewer --threads");
   EmissionProblem& problem = result->problem;
   problem.unknowns = result->unknowns.get();
   problem.absorption = absorption_of(request.unknowns, scene, channel, *result->unknowns);
@@ -119,7 +119,9 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
     views[v].compiled = compiled[v].second.get();
   }
   if (how.cells > 0 && !part.is_whole())
-    throw UsageError("--part: micro-images lie across parts; take pixels or blocks (--bin N)");
+    throw UsageError(
+        "--part cannot be used with micro-images, which lie across parts; use pixels or blocks "
+        "(--bin N)");
   const std::vector<int> numbers = restrict_to(part, how.bin, views);
   const OperatorForm form = request.form == "drawn"  ? OperatorForm::drawn
                             : request.form == "rays" ? OperatorForm::rays
@@ -128,7 +130,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   for (CameraRays::Row& row : result->rays.rows)
     row.view = numbers[static_cast<std::size_t>(row.view)];
   if (result->rays.rows.empty() && part.is_whole())
-    throw InputError("no ray of the camera meets the grid: it lies outside of the picture");
+    throw InputError("no ray of the camera meets the grid, which lies outside of the picture");
   problem.rays = &result->rays;
   return result;
 }

@@ -117,8 +117,8 @@ PixelWindow window_option(std::string_view option, const std::string& text) {
                      "'");
   constexpr int kLargestSensor = 65536;
   if (std::max({x, y, width, height}) > kLargestSensor)
-    throw UsageError(std::string(option) + ": a sensor has at most 65536 pixels a side; '" + text +
-                     "' lies on none");
+    throw UsageError(std::string(option) + ": a sensor has at most 65536 pixels per side; '" +
+                     text + "' lies outside");
   return {x, y, width, height};
 }
 
@@ -176,8 +176,7 @@ Box box_option(std::string_view option, const std::string& text) {
   const std::size_t colon = text.find(':');
   if (colon == std::string::npos)
     throw UsageError(std::string(option) +
-                     ": two corners of a box are wanted, 'X,Y,Z:X,Y,Z' with units, not '" + text +
-                     "'");
+                     " must be two corners of a box, 'X,Y,Z:X,Y,Z' with units, not '" + text + "'");
   const auto a = point_option(option, text.substr(0, colon));
   const auto b = point_option(option, text.substr(colon + 1));
   const Box box{{std::min(a[0], b[0]), std::min(a[1], b[1]), std::min(a[2], b[2])},

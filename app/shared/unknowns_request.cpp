@@ -28,9 +28,9 @@ void check_number_of_unknowns(const std::vector<int>& counts) {
   constexpr double kMost = std::numeric_limits<std::int32_t>::max();
   if (unknowns <= kMost) return;
   std::ostringstream text;
-  text << "--grid: " << unknowns << " unknowns, and " << kMost
-       << " at most; a vector of so many takes " << unknowns * sizeof(double) / 1e9
-       << " GB: take a coarser grid";
+  text << "--grid: " << unknowns << " unknowns are more than " << kMost
+       << "; a vector of this length takes " << unknowns * sizeof(double) / 1e9
+       << " GB; use a coarser grid";
   throw UsageError(text.str());
 }
 
@@ -41,8 +41,8 @@ void check_shape(const std::string& what, std::initializer_list<double> sides) {
   if (*most <= kMost * *least) return;
   std::ostringstream text;
   text << "--grid: " << what << " would be " << *most / *least
-       << " times as long as wide, and 1000 times is the most: take numbers in proportion to the "
-          "sides of the box";
+       << " times as long as wide, and at most 1000 times is allowed: use numbers in proportion to "
+          "the sides of the box";
   throw UsageError(text.str());
 }
 
@@ -56,13 +56,13 @@ Box box_of(const UnknownsRequest& request, const CompiledScene& scene) {
   Box box;
   if (scene.medium) box = scene.medium->bounds();
   if (box.empty() && (request.centre.empty() || request.size.empty()))
-    throw UsageError("the scene has no flame that says where: give --center and --size");
+    throw UsageError("the scene has no flame that gives the box; give --center and --size");
   const Vec3 centre = request.centre.empty() ? 0.5 * (box.lower + box.upper)
                                              : vector_option("--center", request.centre);
   const Vec3 size =
       request.size.empty() ? box.upper - box.lower : vector_option("--size", request.size);
   if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0))
-    throw UsageError("--size: three lengths above 0");
+    throw UsageError("--size needs three lengths above 0");
   return {centre - 0.5 * size, centre + 0.5 * size};
 }
 
@@ -79,7 +79,8 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
     counts = {along(size.x), along(size.y), along(size.z)};
   }
   if (counts.size() != 3)
-    throw UsageError("--grid: voxels along the longest side, or along all three, NX,NY,NZ");
+    throw UsageError(
+        "--grid must be the voxels along the longest side, or along all three, NX,NY,NZ");
   check_number_of_unknowns(counts);
   const Vec3 step{size.x / counts[0], size.y / counts[1], size.z / counts[2]};
   check_shape("voxels", {step.x, step.y, step.z});
@@ -95,7 +96,7 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
 std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& box) {
   std::vector<int> counts =
       request.grid.empty() ? std::vector<int>{40, 80} : counts_option("--grid", request.grid);
-  if (counts.size() != 2) throw UsageError("--grid: rings and heights, N,M");
+  if (counts.size() != 2) throw UsageError("--grid must be the rings and heights, N,M");
   check_number_of_unknowns(counts);
   const Vec3 size = box.upper - box.lower;
   RingGrid grid;
@@ -107,7 +108,8 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
   } else if (!request.axis.empty() && !request.fits_axis()) {
     grid.axis = vector_option("--axis", request.axis);
   }
-  if (!(length(grid.axis) > 0)) throw UsageError("--axis: a direction, e.g. \"0 m, 0 m, 1 m\"");
+  if (!(length(grid.axis) > 0))
+    throw UsageError("--axis must be a direction, e.g. \"0 m, 0 m, 1 m\"");
   grid.axis = normalize(grid.axis);
   const Vec3 a{std::fabs(grid.axis.x), std::fabs(grid.axis.y), std::fabs(grid.axis.z)};
   const double height = dot(a, size);
@@ -126,7 +128,7 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
 std::unique_ptr<Unknowns> layers_of(const UnknownsRequest& request, const Box& box) {
   const std::vector<int> counts =
       request.grid.empty() ? std::vector<int>{10} : counts_option("--grid", request.grid);
-  if (counts.size() != 1) throw UsageError("--grid: the number of layers, N");
+  if (counts.size() != 1) throw UsageError("--grid must be the number of layers, N");
   return make_layer_unknowns(
       {0.5 * (box.lower + box.upper), 0.5 * (box.upper - box.lower), counts[0]});
 }
@@ -204,7 +206,7 @@ std::vector<double> absorption_of(const UnknownsRequest& request, const Compiled
     throw UsageError("--absorption scene: the scene's flames absorb nothing within the grid");
   }
   const double value = quantity_option("--absorption", request.absorption, Dimension::absorption);
-  if (!(value > 0)) throw UsageError("--absorption: above 0, or none");
+  if (!(value > 0)) throw UsageError("--absorption must be above 0, or none");
   absorption.assign(unknowns.size(), value);
   return absorption;
 }

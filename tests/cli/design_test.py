@@ -143,7 +143,7 @@ class Design(CommandTest):
         # A value that the scene states is not taken from the command line, and not ignored either.
         self.write("scene.toml", '[camera]\npreset = "paper-plenoptic2"\n')
         for option in (("--field", "14 deg"), ("--distance", "1 m"), ("--wavelength", "450 nm"), ("--paraxial-focus",)):
-            self.fails(2, "design", "scene.toml", *option, mentions=[option[0], "for a lens alone"])
+            self.fails(2, "design", "scene.toml", *option, mentions=[option[0], "only to a lens alone"])
 
 
 if __name__ == "__main__":

@@ -141,7 +141,7 @@ index = 1.46
         self.fails(1, "info", "folder", mentions="it is a folder")
         for name, content in (("empty.exr", b""), ("letter.txt", b"Dear reader"), ("noise.bin", bytes(range(256)))):
             self.write(name, content)
-            self.fails(1, "info", name, mentions="none of the files that Plenoflame knows")
+            self.fails(1, "info", name, mentions="not a file that Plenoflame reads")
         self.fails(1, "info", "empty.exr", mentions="'empty.exr' is empty")
         self.write("cut.exr", b"\x76\x2f\x31\x01\x02\x00\x00\x00")
         self.fails(1, "info", "cut.exr", mentions="cut.exr")

@@ -110,7 +110,7 @@ class LongRuns(CommandTest):
         refused("b.toml", mentions=['flames[0].position was ["1 m", "0 m", "-29 mm"] and is ["1.1 m", "0 m", "-29 mm"]'])
         self.fails(2, "render", "--resume", "part.exr", "--samples", "1024", mentions="2048 already")
         self.fails(2, "render", mentions="SCENE is required")
-        self.fails(1, "render", "--resume", "other.exr", mentions=["other.exr.state", "no run to go on with"])
+        self.fails(1, "render", "--resume", "other.exr", mentions=["other.exr.state", "no run to continue"])
         self.assertIn("part.exr.state", self.files())
         # A limit of time is no property of the picture.
         figures = self.json_of("render", "--resume", "part.exr", "--time-limit", "1000s", "--quiet")
@@ -311,7 +311,7 @@ class HardTimes(CommandTest):
                 continue
             if start.returncode != 0:  # one of OpenVDB's wants a thread before main() begins
                 self.assertEqual(start.returncode, 1, (megabytes, start.stderr))
-                self.assertRegex(start.stderr, r"\Aplenoflame: error: [^\n]+no room to start\n\Z")
+                self.assertRegex(start.stderr, r"\Aplenoflame: error: [^\n]+too low to start\n\Z")
                 continue
             tried += 1
             result = run("render", "a.toml", "--samples", "2", "--window", "1480,1490,24,20", "--threads", "16", "--quiet")

@@ -86,12 +86,12 @@ class PupilFilters(CommandTest):
         self.write("a.toml", CAMERA + sector("lid", 0, 0, "300 nm 0, 1200 nm 0") + CHANNEL + FLAME)
         result = self.run_command("render", "a.toml", "-o", "a.exr", "--samples", "4", "--quiet")
         self.assertEqual(result.returncode, 0, result.stderr)
-        self.assertIn('none of the pupil filters lets anything through of channel "sensor", so its picture is black', result.stderr)
+        self.assertIn('no pupil filter transmits light of channel "sensor", so its picture is black', result.stderr)
         self.assertEqual(self.json_of("info", "a.exr")["channels"][0]["largest_W"], 0)
         # A channel that passes beside one that does not: a filter that was meant for another channel.
         self.write("a.toml", CAMERA + sector("red", 0, 0, "640 nm 0, 650 nm 0.9, 660 nm 0") + CHANNEL.replace("sensor", "blue").replace(
             "725", "450").replace("400", "20") + CHANNEL + FLAME)
-        self.fails(1, "render", "a.toml", "-o", "b.exr", mentions='none of the pupil filters lets anything through of channel "blue"')
+        self.fails(1, "render", "a.toml", "-o", "b.exr", mentions='no pupil filter transmits light of channel "blue"')
 
     def test_electrons_give_the_temperature_too(self):
         # A uniform flame: what is left is noise of many pixels. The dark signal is 30 electrons of some thousand.

@@ -76,8 +76,8 @@ class Settings(CommandTest):
                                 ("camera.focus.object_distance=1 mm", "inside the front focal point"),
                                 ("camera.lens.f_number=1", "f/1 is wider than the lens, which is f/2.5"),
                                 ("camera.array.types.other.index=2", "known are only"),
-                                ("camera.array.sensor_distance=1 m", "lie over each other"),
-                                ("camera.array.types.only.focal_length=1e-50 mm", "6.25 um is the least")):
+                                ("camera.array.sensor_distance=1 m", "overlap on every pixel"),
+                                ("camera.array.types.only.focal_length=1e-50 mm", "at least 6.25 um")):
             self.fails(2, "render", "a.toml", "--quiet", "-o", "x.exr", "--set", value,
                        mentions=["--set " + value.split("=")[0] + ": ", mentions])
         self.fails(2, "render", "a.toml", "--set", "camera", mentions="is not of the form KEY=VALUE")
@@ -88,7 +88,7 @@ class Settings(CommandTest):
         scene = self.succeeds("info", "a.exr", "--scene")
         write_light_field(self.path("h.exr"), [[1.0] * 30] * 30, sensor=(30, 30),
                           scene=scene.replace('focal_length = "400 um"', 'focal_length = "1e-47 um"'))
-        self.fails(1, "views", "h.exr", "-o", "v", mentions=["scene of h.exr:", "6.25 um is the least"])
+        self.fails(1, "views", "h.exr", "-o", "v", mentions=["scene of h.exr:", "at least 6.25 um"])
         # It opens no file by itself.
         write_light_field(self.path("f.exr"), [[1.0] * 30] * 30, sensor=(30, 30),
                           scene=SCENE.replace('model = "ideal"', 'file = "/etc/passwd"', 1))

@@ -201,7 +201,7 @@ class Slurm(CommandTest):
         job = self.long_task("--samples 16384", "--time", "0-00:01:00")
         self.wait_until(job, "TIMEOUT", "COMPLETING", most=400)
         self.wait_until(job, "TIMEOUT")
-        self.assertIn("stopped; flame.exr holds what was rendered, marked partial", self.logs())
+        self.assertIn("stopped; flame.exr holds the rendered part, marked partial", self.logs())
         self.assertIn("TIME LIMIT", self.logs())
         figures = self.json_of("info", "flame.exr")
         self.assertIs(figures["complete"], False)

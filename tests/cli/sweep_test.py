@@ -139,7 +139,7 @@ look_direction = [0, 1, 0]
         self.fails(1, "merge", "p-part-1-of-2", "p-part-1-of-2", "-o", "all", mentions="are both part 1/2")
         self.write("other.csv", TABLE.replace("0.5", "0.6"))
         self.sweep("q", "--part", "2/2", table="other.csv")
-        self.fails(1, "merge", "p-part-1-of-2", "q-part-2-of-2", "-o", "all", mentions=["no part of the sweep", "table"])
+        self.fails(1, "merge", "p-part-1-of-2", "q-part-2-of-2", "-o", "all", mentions=["different sweeps", "table"])
         self.fails(1, "sweep", "a.toml", "--table", "other.csv", "-o", "p", "--part", "1/2", *OPTIONS, mentions="differs in table")
         self.assertNotIn("all", self.files())
 
@@ -184,7 +184,7 @@ look_direction = [0, 1, 0]
         self.sweep("set")
         os.remove(self.path("set/runs/000002.json"))
         self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, largest_file=20000,
-                   mentions=["000002", "2 of 3 runs are in set; the same command goes on"])
+                   mentions=["000002", "2 of 3 runs are in set; the same command continues"])
         self.assertIn("000001.json", os.listdir(self.path("set/runs")))
         self.sweep("set")
 
@@ -194,7 +194,7 @@ look_direction = [0, 1, 0]
         shutil.rmtree(self.path("set"))
         # Each run's picture has room, all three together have not.
         self.fails(1, "sweep", "a.toml", "--table", "runs.csv", "-o", "set", *OPTIONS, "--format", "hdf5",
-                   largest_file=len(whole) * 2 // 3, mentions=["set.h5", "3 of 3 runs are in set; the same command goes on"])
+                   largest_file=len(whole) * 2 // 3, mentions=["set.h5", "3 of 3 runs are in set; the same command continues"])
         self.assertEqual(sorted(n for n in os.listdir(self.path("set/runs")) if n.endswith(".json")),
                          [f"00000{k}.json" for k in range(3)])
         self.assertNotIn("set.h5", os.listdir(self.path("set")))
@@ -247,7 +247,7 @@ look_direction = [0, 1, 0]
         refused("--table runs.csv --part 1/2", "--part")
         refused("--table runs.csv -o other", "--output")
         refused("", "--table")
-        refused("runs.csv", "scenes stand before")
+        refused("runs.csv", "give scenes before --options")
         refused("--table runs.csv", "3 runs", "--parts", "4")
         refused("--table runs.csv", "one scene", scenes=("a.toml", "b.toml"))
         for memory in ("4", "4e9", "1.5"):  # sbatch takes megabytes
@@ -284,7 +284,7 @@ look_direction = [0, 1, 0]
         process.send_signal(signal.SIGINT)
         out, errors = process.communicate(timeout=60)
         self.assertEqual((process.returncode, out), (1, ""))
-        self.assertRegex(errors, r"\Aplenoflame: stopped; [1-5] of 6 runs are in set; the same command goes on\n\Z")
+        self.assertRegex(errors, r"\Aplenoflame: stopped; [1-5] of 6 runs are in set; the same command continues\n\Z")
         self.goes_on(arguments)
 
     def test_killed(self):

@@ -78,8 +78,8 @@ class Time(CommandTest):
         self.alone(2)
         for number, arguments in ((2, ("--frame", "2")), (2, ("--time", "1.5ms")), (1, ())):
             self.scene("alone.toml", f'file = "run_000{number}.vdb"\n')
-            note = "" if arguments else ("plenoflame: the scene changes with time, and this is its first frame; --frame "
-                                         "and --time choose\n")
+            note = "" if arguments else ("plenoflame: the scene changes with time, and this is its first frame; choose "
+                                         "another with --frame or --time\n")
             self.succeeds("rays", "film.toml", "--pixel", "300,300", "--rays", "4", "-o", "film.csv", *arguments,
                           stderr=note)
             self.succeeds("rays", "alone.toml", "--pixel", "300,300", "--rays", "4", "-o", "alone.csv")
@@ -87,7 +87,7 @@ class Time(CommandTest):
         self.succeeds("render", "film.toml", "--time", "2ms", "-o", "t.exr", *WINDOW, "--quiet")
         self.assertEqual(read_exr(self.path("t.exr"))[1], self.alone(3)[1])
         self.succeeds("render", "film.toml", "-o", "first.exr", *WINDOW, stderr="plenoflame: the scene changes with "
-                      "time, and this is its first frame; --frames and --time choose\n")
+                      "time, and this is its first frame; choose others with --frames or --time\n")
         self.assertEqual(read_exr(self.path("first.exr"))[1], self.alone(1)[1])
 
     def test_info(self):
@@ -141,7 +141,7 @@ class Time(CommandTest):
         result = self.run_command(*arguments, "--resume", "f.exr", "--samples", "8")
         self.assertIn("samples 4 then, samples 8 now", result.stderr)
         self.succeeds("render", "alone.toml", *WINDOW, "-o", "f.0002.exr", "--quiet")
-        self.assertIn("no frame of such a run", self.run_command(*arguments, "--resume", "f.exr").stderr)
+        self.assertIn("not a frame of this run", self.run_command(*arguments, "--resume", "f.exr").stderr)
 
     def test_a_stopped_run_goes_on(self):
         self.scene("film.toml", SERIES)
@@ -155,7 +155,7 @@ class Time(CommandTest):
         _, stderr = process.communicate(timeout=100)
         if process.returncode == 0:
             self.skipTest("all frames were done before the signal came")
-        self.assertIn("go on with the same frames and --resume s.exr", stderr)
+        self.assertIn("continue with the same frames and --resume s.exr", stderr)
         self.succeeds(*arguments[:-2], "--resume", "s.exr", "--quiet")
         self.succeeds(*arguments[:-2], "-o", "w.exr", "--quiet")
         for number in (1, 2, 3):
@@ -188,7 +188,7 @@ class Time(CommandTest):
                 said = self.stopped((*whole, "-o", "s.exr", "--threads", "1"), number, "s.0001.exr.state")
                 self.assertNotIn("s.0001.exr", self.files())
                 if number == signal.SIGINT:
-                    self.assertIn("its state is kept; go on with the same frames and --resume s.exr", said)
+                    self.assertIn("its state is saved; continue with the same frames and --resume s.exr", said)
                 self.succeeds(*whole, "--resume", "s.exr", "--quiet")
                 self.assertEqual(self.read("s.0001.exr"), self.read("w.0001.exr"))
                 self.assertNotIn("s.0001.exr.state", self.files())
@@ -199,12 +199,12 @@ class Time(CommandTest):
         arguments = ("render", "film.toml", "--time", "0.5ms", "--samples", "1024", *WINDOW, "--threads", "1")
         self.succeeds(*arguments, "-o", "w.exr", "--quiet")
         self.stopped((*arguments, "-o", "s.exr"), signal.SIGKILL, "s.exr.state")
-        for options, mentions in ((("--samples", "2048"), ["--samples", "some of which are done", "1024"]),
+        for options, mentions in ((("--samples", "2048"), ["--samples", "some are done", "1024"]),
                                   (("--target-error", "1%"), ["--target-error", "none"]),
                                   (("--truth",), ["--truth", "exposure_time=0s"])):
             self.fails(2, "render", "--resume", "s.exr", *options, mentions=mentions)
         self.fails(1, "render", "film.toml", "--time", "0.25ms", "--resume", "s.exr",
-                   mentions=["begin of the exposure was 500 us and is 250 us"])
+                   mentions=["beginning of the exposure was 500 us and is 250 us"])
         self.fails(1, "render", "film.toml", "--time", "0.5ms", "--resume", "s.exr", "--set",
                    "camera.sensor.exposure_time=1.5ms", mentions='exposure_time was "1 ms" and is "1.5 ms"')
         os.utime(self.path("run_0002.vdb"), (time.time() + 10, time.time() + 10))

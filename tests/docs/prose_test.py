@@ -49,6 +49,7 @@ class Prose(unittest.TestCase):
 
     def test_code_tables_formulas_and_addresses_are_ignored(self):
         self.assertEqual(self.found(f"```sh\n{LONG}\n```\n\n| {LONG} |\n\n    {LONG}\n\n<!-- {LONG}\n{LONG} -->\n"), [])
+        self.assertEqual(self.found(f"$$ {LONG} $$\n\n$$\n{LONG}\n$$\n\nThe flux is ${LONG}$ at most.\n"), [])
         words = "The renderer reads the file " + "`--option value with words` " * 9 + "from [here](https://a.b/c d)"
         self.assertEqual(self.found(f"{words} and stops.\n"), [])
 
@@ -67,8 +68,9 @@ class Prose(unittest.TestCase):
 
     def test_generated_pages_have_rows_of_their_own(self):
         self.assertEqual([prose.folder_of(path) for path in ("README.md", "docs/a.md", "docs/user/a.md", "docs/reference/a.md",
-                                                            "docs/numerics.md", "core/src/a.cpp")],
-                         ["README, CONTRIBUTING", "docs", "docs/user", "docs/reference", "docs/numerics.md", "core (comments)"])
+                                                            "docs/numerics.md", "docs/theory/reconstruction.md", "core/src/a.cpp")],
+                         ["README, CONTRIBUTING", "docs", "docs/user", "docs/reference", "docs/numerics.md",
+                          "docs/theory/reconstruction.md", "core (comments)"])
 
     def test_counts_may_not_rise(self):
         counts = {"docs": {"words": 9, "long": 2, "opening": 0, "diary": 1, "gets": 0, "glossary": 0}}

@@ -25,7 +25,7 @@ class Site(unittest.TestCase):
                            "docs/user/a.md": "# A\n", "docs/images/p.png": "", "examples/x.toml": "x"}.items():
             self.write(name, text)
         (self.root / "packaging/site").mkdir(parents=True)
-        for name in ("mkdocs.yml", "site.css"):
+        for name in ("mkdocs.yml", "site.css", "formulas.js"):
             shutil.copy(ROOT / "packaging/site" / name, self.root / "packaging/site")
         self.out = self.root.parent / "out"
 
@@ -56,6 +56,12 @@ class Site(unittest.TestCase):
     def test_navigation(self):
         self.write("docs/README.md", "# All\n## Ways\n1. [First](user/a.md): a\n## One\n- [A](user/a.md): a\n")
         self.assertEqual(site_source.sections(self.root), [("One", [("A", "user/a.md")])])
+
+    def test_formulas(self):
+        page = "The flux $P_1 * r$ is\n\n$$ P=\\sum_i w_i * r_i $$\n"
+        self.assertEqual(self.page(page), page)
+        self.assertIn("renderMathInElement", (self.out / "source/formulas.js").read_text())
+        self.assertIn("formulas.js", (self.out / "mkdocs.yml").read_text())
 
     def test_what_is_not_there(self):
         for text in ("[a](b.md)", "[a](../../../outside.md)"):

@@ -153,7 +153,7 @@ class Import(PackageTest):
         process.send_signal(signal.SIGINT)
         _, errors = process.communicate()
         self.assertEqual(process.returncode, 1, errors)
-        self.assertIn("stopped; files of a series that were written are whole", errors)
+        self.assertIn("stopped; the files of a series that were written are complete", errors)
         files = sorted(path.name for path in self.folder.iterdir() if path.name != "a.vtu")
         self.assertLess(len(files), 2000)
         self.assertEqual(files, [f"s_{number:04d}.vdb" for number in range(len(files))])

@@ -231,7 +231,7 @@ class Reconstruct(PackageTest):
                 plenoflame.reconstruct(self.small, self.picture, **{**self.RINGS, **arguments})
             self.assertNotIn("--", str(caught.exception))
         refuses("unknowns: 'ring' is not one of voxels, rings, layers; did you mean 'rings'", unknowns="ring")
-        refuses("grid: rings and heights", grid=4)
+        refuses("grid must be the rings and heights", grid=4)
         refuses("smoothing: 3 numbers for 2 axes of rings", smoothing=(1, 2, 3))
         refuses("solver sirt has no penalty", solver="sirt", strength=1)
         refuses("memory 0 leaves no room for the stored matrix", solver="mart", memory=0)

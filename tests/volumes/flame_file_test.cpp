@@ -301,7 +301,7 @@ TEST_F(FlameFile, SaysWhatAClearFlameDoesNotUse) {
     return warnings_.empty() ? "" : warnings_.front();
   };
   const std::string density = warned({{"CH*", "W/m^3", 2}, {"density", "", 1}, {"C2*", "", 1}});
-  EXPECT_TRUE(contains(density, "not used: \"density\" (float); if one of them absorbs"));
+  EXPECT_TRUE(contains(density, "not used: \"density\" (float); name the absorption"));
   EXPECT_TRUE(contains(warned({{"CH*", "W/m^3", 2}, {"temperature", "K", 1500}}),
                        "not used: \"temperature\" (float);"));
 }

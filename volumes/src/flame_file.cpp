@@ -182,10 +182,10 @@ VoxelField read(const std::string& path, const std::vector<GridInfo>& grids, con
   Unit unit = unit_of(path, spec, *info, quantity);
   if (unit.fraction) {
     if (!(per_fraction > 0))
-      throw InputError(fmt::format(
-          "{}: grid \"{}\" is a volume fraction, of which only soot makes an absorption; set "
-          "spectrum.kind = \"soot\" for this flame",
-          path, field.name));
+      throw InputError(
+          fmt::format("{}: grid \"{}\" is a volume fraction, which needs the spectrum of soot; set "
+                      "spectrum.kind = \"soot\" for this flame",
+                      path, field.name));
     unit.factor *= per_fraction;
   }
   convert(path, field, spec, unit, quantity);
@@ -230,8 +230,8 @@ VoxelField read_albedo(const std::string& path, const std::string& name) {
         fmt::format("{}: grid \"{}\": {} is an albedo of {:g}; it must be at least 0 and below 1{}",
                     path, field.name, where, value,
                     value > 1 && value <= 100 ? " (is the grid in percent?)"
-                    : value == 1 ? ", with which any absorption would come with endless scattering"
-                                 : ""));
+                    : value == 1              ? ", which makes scattering infinite"
+                                              : ""));
   };
   check(field.background, "the background");
   for (std::size_t i = 0; i < field.values.size(); ++i)
@@ -277,10 +277,8 @@ FlameFields clear_flame(const std::string& path, const std::vector<GridInfo>& gr
       unused.push_back(grid);
   if (!unused.empty())
     execution.warn(
-        fmt::format("{}: none of its grids is known as the absorption, so that only the flame's "
-                    "emission lines are seen, and nothing absorbs them; not used: {}; if one of "
-                    "them absorbs, name it with "
-                    "absorption.grid in the scene",
+        fmt::format("{}: no grid has a known name for absorption, so only emission lines are seen; "
+                    "not used: {}; name the absorption with absorption.grid in the scene",
                     path, list_of(unused)));
   VoxelField nothing = nothing_on(lines.front(), "absorption", 0);
   return {nothing_on(lines.front(), "temperature", kAmbient), std::move(nothing), std::move(lines)};
@@ -371,15 +369,15 @@ FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
   const double hottest = range ? std::fmax(range->maximum, flame.temperature.background)
                                : flame.temperature.background;
   if (hottest > kHottest)
-    throw InputError(fmt::format(
-        "{}: grid \"{}\" is {:g} K at most, above {:g} K; if it is in another unit, say so with "
-        "temperature.unit or temperature.scale in the scene",
-        path, flame.temperature.name, hottest, kHottest));
+    throw InputError(
+        fmt::format("{}: grid \"{}\" is {:g} K at most, above {:g} K; if it has another unit, set "
+                    "temperature.unit or temperature.scale in the scene",
+                    path, flame.temperature.name, hottest, kHottest));
   if (hottest < kSuspiciousMaximum)
-    execution.warn(fmt::format(
-        "{}: grid \"{}\" is {:g} K at most; if it is in degC or normalised, say so with "
-        "temperature.unit or temperature.scale in the scene",
-        path, flame.temperature.name, hottest));
+    execution.warn(
+        fmt::format("{}: grid \"{}\" is {:g} K at most; if it is in degC or normalised, set "
+                    "temperature.unit or temperature.scale in the scene",
+                    path, flame.temperature.name, hottest));
   return flame;
 }
 
@@ -412,8 +410,7 @@ VdbInfo vdb_info(const std::string& path) {
                       "temperature.unit or temperature.scale",
                       hot->name, std::fmax(hot->maximum, hot->background)));
   } else if (sooty != nullptr || info.lines.empty()) {
-    remark(
-        "no grid has a known name for temperature: a scene has to name one with temperature.grid");
+    remark("no grid has a known name for temperature; name one with temperature.grid in the scene");
   }
   if (sooty != nullptr) {
     info.absorption_grid = sooty->name;
@@ -424,13 +421,11 @@ VdbInfo vdb_info(const std::string& path) {
                          sooty->name, sooty->background));
   } else if (!info.lines.empty()) {
     remark(
-        "no grid has a known name for absorption: the flame emits lines only, and absorbs nothing");
+        "no grid has a known name for absorption: the flame only emits lines and absorbs nothing");
   } else {
     remark(
-        "no grid has a known name for absorption: a scene has to name one with absorption.grid, "
-        "for "
-        "example "
-        "\"density\" with absorption.scale");
+        "no grid has a known name for absorption; name one with absorption.grid in the scene, for "
+        "example \"density\" with absorption.scale");
   }
   for (const GridInfo& grid : info.grids)
     if (!grid.readable)

@@ -120,8 +120,8 @@ std::unique_ptr<Medium> medium_in_memory(const FlameFields& grids, const FlameSp
   if (spec.temperature != GridSpec{} || spec.absorption != GridSpec{} ||
       !spec.scattering.grid.empty())
     throw InputError("flame \"" + spec.file +
-                     "\" is in memory, in K and 1/m: it takes no mapping of grids, and no grid of "
-                     "albedos; write it to a file for these");
+                     "\" is in memory, in K and 1/m, so it takes no mapping of grids and no grid "
+                     "of albedos; write it to a file for these");
   FlameFields flame{grids.temperature, grids.absorption};
   for (const LineSpec& line : spec.lines) {
     const auto names = line_grid_names(line.kind);

@@ -49,10 +49,10 @@ void SeriesLattice::check(std::size_t flame, const FlameSpec& spec,
       if (grid.name != other.name) continue;
       const std::string what = difference(other, grid);
       if (!what.empty())
-        throw InputError(fmt::format(
-            "the grid \"{}\" of '{}' has {}, unlike '{}': all files of a series have one "
-            "lattice; resample them, or render those of another lattice from a scene of their own",
-            grid.name, path, what, first->second.file));
+        throw InputError(
+            fmt::format("the grid \"{}\" of '{}' has {}, unlike '{}'; all files of a series need "
+                        "one lattice: resample them, or render them from scenes of their own",
+                        grid.name, path, what, first->second.file));
     }
 }
 

@@ -22,15 +22,14 @@ int frame_option(const std::string& name, const std::string& text) {
 }  // namespace
 
 void add_moment_options(CLI::App& command, MomentChoice& choice) {
-  auto* const frame =
-      command
-          .add_option("--frame", choice.frame,
-                      "Which frame of flames that change with time (the first): they are as at the "
-                      "begin of its exposure")
-          ->option_text("N");
+  auto* const frame = command
+                          .add_option("--frame", choice.frame,
+                                      "Frame of flames that change with time, as at the beginning "
+                                      "of its exposure (the first)")
+                          ->option_text("N");
   command
       .add_option("--time", choice.time,
-                  "The same by the time since the first frame, with unit, e.g. 2.5ms")
+                  "Time since the first frame, in place of --frame, with unit, e.g. 2.5ms")
       ->excludes(frame)
       ->option_text("TIME");
 }
@@ -38,7 +37,8 @@ void add_moment_options(CLI::App& command, MomentChoice& choice) {
 SceneDocument at_moment(const SceneDocument& document, const MomentChoice& choice) {
   if (!choice.given()) {
     if (!changes_with_time(document.scene)) return document;
-    say("the scene changes with time, and this is its first frame; --frame and --time choose");
+    say("the scene changes with time, and this is its first frame; choose another with --frame or "
+        "--time");
     return {first_moment(document.scene, document.positions), document.positions};
   }
   const char* const name = choice.frame.empty() ? "--time" : "--frame";
@@ -100,7 +100,7 @@ void check_frames(const SceneTimeline& timeline, const FrameRange& frames,
     if (!time.missing.empty()) flame = time.flame;
   throw InputError(
       document.positions.find(fmt::format("flames[{}].file", flame)),
-      fmt::format("{} of the files that frames {} to {} want {} missing: {}", missing.size(),
+      fmt::format("{} of the files for frames {} to {} {} missing: {}", missing.size(),
                   frames.first, frames.last, missing.size() == 1 ? "is" : "are", list));
 }
 

@@ -26,10 +26,10 @@ int of_array(const std::string& option, const char* name) {
 
 void add_part_option(CLI::App& command, std::string& part, const std::string& what) {
   command
-      .add_option("--part", part,
-                  what +
-                      "; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' N as well from the "
-                      "job array")
+      .add_option(
+          "--part", part,
+          what +
+              "; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array")
       ->option_text("K/N");
 }
 
@@ -44,7 +44,7 @@ Part part_option(const std::string& option, const std::string& text) {
     const int count = of_array(option, "SLURM_ARRAY_TASK_COUNT");
     const int last = of_array(option, "SLURM_ARRAY_TASK_MAX");
     if (last - first + 1 != count)
-      throw UsageError("the tasks of the job array are not numbered without gaps; give auto/N");
+      throw UsageError("the task numbers of the job array have gaps; give auto/N");
     return part_from(fmt::format("{}/{}", task - first + 1, count));
   } catch (const UsageError& error) {
     const std::string message = error.what();

@@ -65,15 +65,17 @@ void check_is_scene(const std::string& path) {
     throw InputError("'" + path + "' is " + what);
   };
   if (bytes.starts_with("\x76\x2f\x31\x01"))
-    refuse("a light field (.exr), and a scene (.toml) is needed here; 'plenoflame info " + path +
-           " --scene' prints the scene that it was rendered from");
+    refuse("a light field (.exr), but a scene (.toml) is needed; 'plenoflame info " + path +
+           " --scene' prints the scene of the light field");
   if (bytes.starts_with(" BDV"))
     refuse(
-        "a flame (.vdb), and a scene (.toml) is needed here, which names it as the file of one "
-        "of its [[flames]]");
+        "a flame (.vdb), but a scene (.toml) is needed; name the flame as a file of its "
+        "[[flames]]");
   if (bytes == "plenoflame bundle ")
-    refuse("a compiled camera (.bundle), and a scene (.toml) is needed here; --compiled takes it");
-  if (bytes.starts_with("\x89PNG")) refuse("a picture (.png), and a scene (.toml) is needed here");
+    refuse(
+        "a compiled camera (.bundle), but a scene (.toml) is needed; give the camera with "
+        "--compiled");
+  if (bytes.starts_with("\x89PNG")) refuse("a picture (.png), but a scene (.toml) is needed");
 }
 
 SceneDocument read_valid_scene(const std::string& path, const std::vector<std::string>& settings,
@@ -123,7 +125,7 @@ SceneDocument read_scene_of_camera(const std::string& path,
 void add_camera_option(CLI::App& command, std::string& camera) {
   command
       .add_option("--camera", camera,
-                  "Which of the scene's cameras; needed where it has several ([[cameras]])")
+                  "Name of the scene's camera ([[cameras]]); needed if the scene has several")
       ->option_text("NAME");
 }
 
@@ -143,7 +145,7 @@ std::string CameraScene::what() const {
 void add_cameras_option(CLI::App& command, std::vector<std::string>& cameras) {
   command
       .add_option("--camera", cameras,
-                  "Only this one of the scene's cameras ([[cameras]]); may be repeated")
+                  "Use only this camera of the scene ([[cameras]]); may be repeated")
       ->option_text("NAME")
       ->allow_extra_args(false);
 }
@@ -165,7 +167,7 @@ std::vector<CameraScene> read_camera_scenes(const std::vector<std::string>& file
                                             const std::vector<std::string>& settings,
                                             const std::vector<std::string>& cameras) {
   if (files.size() > 1 && !cameras.empty())
-    throw UsageError("--camera: it chooses among the cameras of one scene, and there are several");
+    throw UsageError("--camera chooses a camera of one scene, but several scenes are given");
   std::vector<CameraScene> scenes;
   for (const std::string& file : files)
     for (CameraScene& scene : choose_cameras(read_valid_scene(file, settings), file, cameras))

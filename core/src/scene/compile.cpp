@@ -149,9 +149,8 @@ void check_lights_in_smoke(const Scene& scene, std::size_t index, const Medium& 
     const std::string path = "lights[" + std::to_string(i) + "]";
     execution.warn(to_string(
         SceneIssue{false, path, positions.find(path),
-                   path + " is a point within a flame that scatters: what is lit from very near "
-                          "makes bright specks, and the stated error too small; a small sphere "
-                          "that emits does not"}));
+                   path + " is a point light within a scattering flame: it makes bright specks and "
+                          "the stated error too small; use a small emitting sphere"}));
   }
 }
 
@@ -168,9 +167,8 @@ void warn_of_short_steps(const CompiledScene& compiled, const Execution& executi
   steps *= MajorantGrid(*compiled.medium).mean_share();
   if (!(steps > kMany)) return;
   execution.warn(fmt::format(
-      "the flames scatter, and absorb and scatter up to {:.3g} 1/m within bounds that are {} "
-      "across: light takes some {:.2g} steps through all of it, which is slow; is the absorption "
-      "of all of them in 1/m?",
+      "the flames scatter, with an extinction up to {:.3g} 1/m within bounds of {}: light takes "
+      "about {:.2g} steps through them, which is slow; is their absorption in 1/m?",
       most, readable_quantity(length(box.upper - box.lower), Dimension::length), steps));
 }
 
@@ -279,7 +277,7 @@ void check_flames_beside_windows(const Scene& scene, const Media& flames,
           continue;
         throw InputError(positions.find("windows[" + std::to_string(w) + "].position"),
                          window_name(scene.windows, w) + " stands in " + flame_in_words(scene, f) +
-                             ", whose light must not start within its glass; move one of them");
+                             ", whose light must not start within the glass; move one of them");
       }
     }
   }
@@ -418,11 +416,10 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   const SpectralNodes nodes = spectral_nodes(scene, positions);
   constexpr double kTellingError = 1e-3;
   if (nodes.error > kTellingError)
-    execution.warn(
-        fmt::format("the channels' radiance is known to {:.2g} % only: responses as narrow or "
-                    "spectra as steep as these need more than the wavelengths that stand for a "
-                    "channel; split the channel into bands",
-                    100 * nodes.error));
+    execution.warn(fmt::format(
+        "the radiance of the channels has an error of {:.2g} %: a response is too narrow or a "
+        "spectrum too steep for the sampled wavelengths; split the channel into bands",
+        100 * nodes.error));
   if (nodes.sources.front().wavelength() > 0)
     scene.camera.wavelength = nodes.sources.front().wavelength();
   const CompiledScene* const same = with_camera(scene.camera, earlier);

@@ -92,7 +92,9 @@ std::vector<double> absorption_factors(const SpectrumSpec& spec,
   std::vector<double> factors;
   for (const SourceFunction& channel : channels) {
     if (channel.is_total())
-      throw InputError("a channel of all wavelengths at once has no absorption that depends on it");
+      throw InputError(
+          "a channel of all wavelengths cannot have an absorption that depends on wavelength; use "
+          "a band or a line");
     factors.push_back(spectrum.factor(channel.wavelength()));
   }
   return factors;

@@ -124,7 +124,7 @@ struct SceneTimeline::State {
                         quote_for_message(flame.series->pattern()), flame.series->first(),
                         flame.series->last(), in_words(size / flame.rate));
         if (in_frames(begin, flame.rate) < 0)
-          fail(flame, ".file", what + "before the begin of " + which);
+          fail(flame, ".file", what + "before the beginning of " + which);
         const double last = in_frames(end, flame.rate);
         if (last > size || (last == size && !(end > begin)))
           fail(flame, ".file", what + "beyond the end of " + which);
@@ -134,9 +134,10 @@ struct SceneTimeline::State {
         const double rounding = 1e-9 * (std::fabs(first) + std::fabs(last));
         if (begin < first - rounding || end > last + rounding)
           fail(flame, ".time_table",
-               fmt::format("{}{} {}, which holds from {} to {}", what,
-                           begin < first - rounding ? "before the begin of" : "beyond the end of",
-                           quote_for_message(flame.table_file), in_words(first), in_words(last)));
+               fmt::format(
+                   "{}{} {}, which holds from {} to {}", what,
+                   begin < first - rounding ? "before the beginning of" : "beyond the end of",
+                   quote_for_message(flame.table_file), in_words(first), in_words(last)));
       }
     }
   }
@@ -259,15 +260,14 @@ double SceneTimeline::begin_of(int frame) const {
   const State& s = *state_;
   if (!(s.rate > 0))
     throw InputError(s.positions.find("camera.sensor"),
-                     "no frames can be told apart, since no flame is a series: say how many "
-                     "pictures the camera takes per second, camera.sensor.frame_rate, or ask for "
-                     "a time");
+                     "the frame rate is not known, since no flame is a series; set "
+                     "camera.sensor.frame_rate, or give a time");
   const int first = first_frame(), last = last_frame();
   if (frame < first || frame > last)
     throw InputError(
         s.positions.find(s.flames.front().key),
         last < first
-            ? fmt::format("there is no frame {}: what is known of the flames, until {}, is shorter "
+            ? fmt::format("there is no frame {}: the flames are known until {}, which is shorter "
                           "than an exposure",
                           frame, in_words(end_time()))
             : fmt::format(

@@ -169,5 +169,29 @@ TEST(PixelBeams, NothingIsLostWhereTheFieldGetsDark) {
   }
 }
 
+// With a stop that is imaged sharply, pixels at the edge of a micro-image see slivers, whose bounds
+// are less close.
+TEST(PixelBeams, LetNearlyAllRaysReachTheScene) {
+  const std::pair<const char*, double> presets[] = {{"paper-plenoptic1", 0.87},
+                                                    {"paper-plenoptic2", 0.9},
+                                                    {"paper-previous-60x60", 0.84},
+                                                    {"raytrix-r29", 0.9},
+                                                    {"r12", 0.9}};
+  for (const auto& [preset, least] : presets) {
+    Scene scene = paper_flame(1, 1);
+    scene.camera = preset_camera(preset);
+    if (scene.camera.array.types.size() == 1) scene.camera.focus.conjugate = "array";
+    const CompiledScene compiled = compile(scene);
+    const SensorSpec& sensor = scene.camera.sensor;
+    RenderSettings settings;
+    settings.samples = 64;
+    const int width = std::min(400, sensor.columns), height = std::min(400, sensor.rows);
+    settings.window = {(sensor.columns - width) / 2, (sensor.rows - height) / 2, width, height};
+    const RenderStatistics statistics = render(compiled, settings, one_thread()).statistics;
+    EXPECT_GT(statistics.rays, 1e5) << preset;
+    EXPECT_GE(statistics.rays_reached, least * statistics.rays) << preset;
+  }
+}
+
 }  // namespace
 }  // namespace plenoflame::test::pixel_beams_test

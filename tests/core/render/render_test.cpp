@@ -1,7 +1,6 @@
 // Settings that a rendering must not depend on, and its statements about itself.
 #include "plenoflame/render/render.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stop_token>
 #include <utility>
@@ -267,30 +266,6 @@ TEST(Render, StandardErrorsAreHonest) {
   EXPECT_TRUE(within(beyond2 / count, 0.0546, 0.012, 1));
   EXPECT_TRUE(within(beyond3 / count, 0.0054, 0.006, 1));
   EXPECT_TRUE(within(sum / count, 0, 4 / std::sqrt(count), 1));
-}
-
-// With a stop that is imaged sharply, pixels at the edge of a micro-image see slivers, whose bounds
-// are less close.
-TEST(Render, NearlyAllRaysReachTheScene) {
-  const std::pair<const char*, double> presets[] = {{"paper-plenoptic1", 0.87},
-                                                    {"paper-plenoptic2", 0.9},
-                                                    {"paper-previous-60x60", 0.84},
-                                                    {"raytrix-r29", 0.9},
-                                                    {"r12", 0.9}};
-  for (const auto& [preset, least] : presets) {
-    Scene scene = paper_flame(1, 1);
-    scene.camera = preset_camera(preset);
-    if (scene.camera.array.types.size() == 1) scene.camera.focus.conjugate = "array";
-    const CompiledScene compiled = compile(scene);
-    const SensorSpec& sensor = scene.camera.sensor;
-    RenderSettings settings;
-    settings.samples = 4;
-    const int width = std::min(400, sensor.columns), height = std::min(400, sensor.rows);
-    settings.window = {(sensor.columns - width) / 2, (sensor.rows - height) / 2, width, height};
-    const RenderStatistics statistics = render(compiled, settings, one_thread()).statistics;
-    EXPECT_GT(statistics.rays, 1e5) << preset;
-    EXPECT_GE(statistics.rays_reached, least * statistics.rays) << preset;
-  }
 }
 
 }  // namespace

@@ -241,7 +241,7 @@ TEST(LensImport, FourColumnErrors) {
       {"10 1 1.5 0", "not positive"},
       {"10 1 1.5 20.1\n0 1 0 5\n-10 9 1 5", "a.dat:1: a sphere of this radius"},
       {"10 1 1.5 5\n-10 9 1 5", "no aperture stop"},
-      {"0 1 0 5\n10 1 1.5 5\n-10 9 1.4 5", "not air"}};
+      {"0 1 0 5\n10 1 1.5 5\n-10 9 1.4 5", "that of air"}};
   for (const auto& [text, words] : cases) {
     std::string message;
     try {

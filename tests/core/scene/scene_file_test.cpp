@@ -113,14 +113,15 @@ TEST(ParseScene, SaysWhereAndWhatIsWrong) {
             "s.toml:2:9: camera.lens.surfaces[0].index: 0.9 is not possible here; at least 1, at "
             "most 5 is allowed");
   EXPECT_EQ(error_of("[flames]\nkind = \"vdb\"\n"),
-            "s.toml:1:1: flames is a table, but it is a list of tables: write [[flames]]");
+            "s.toml:1:1: flames is a table, but it must be a list of tables: write [[flames]]");
   EXPECT_EQ(error_of("[[camera]]\n"),
-            "s.toml:1:1: camera is an array, but it is a table of keys: write [camera]");
+            "s.toml:1:1: camera is an array, but it must be a table of keys: write [camera]");
   EXPECT_EQ(error_of("[camera]\npreset = \"paper-plenoptic\"\n"),
             "s.toml:2:10: there is no camera preset \"paper-plenoptic\"; did you mean "
             "\"paper-plenoptic1\"?");
-  EXPECT_EQ(error_of("camera = 1\n"),
-            "s.toml:1:10: camera is a whole number, but it is a table of keys: write [camera]");
+  EXPECT_EQ(
+      error_of("camera = 1\n"),
+      "s.toml:1:10: camera is a whole number, but it must be a table of keys: write [camera]");
   EXPECT_EQ(error_of("[camera.sensor]\nrwos = 3\n"),
             "s.toml:2:1: unknown key \"rwos\" in camera.sensor; did you mean \"rows\"?");
   EXPECT_EQ(error_of("[camera.focus]\nzzzzzz = 3\n"),

@@ -108,7 +108,7 @@ TEST(SceneSettings, MeanItemsByNumberOrName) {
             "--set flames.candle.scale: flames is a list, and none of its items is named "
             "\"candle\"; did you mean \"my.candle\"?; by number: flames[0] to flames[1]");
   EXPECT_EQ(error({"flames[2].scale=1"}),
-            "--set flames[2].scale: flames has 2 items, counted from 0: there is no number 2");
+            "--set flames[2].scale: flames has 2 items, counted from 0, so there is no number 2");
   EXPECT_NE(error({"flames[0].name=my.candle", "flames[my.candle].scale=1"}).find("several items"),
             std::string::npos);
   EXPECT_NE(error({"camera.focus[0].mode=best"}).find("is not a list"), std::string::npos);

@@ -210,7 +210,7 @@ TEST_F(Timeline, WhatASeriesCanLack) {
   EXPECT_EQ(error_of([&] { timeline.at_time(9e-3); }),
             "s.toml:9:8: 9 ms is beyond the end of the series \"run_####.vdb\", whose files 1 to 9 "
             "last until 9 ms");
-  EXPECT_NE(error_of([&] { timeline.at_time(-1e-3); }).find("before the begin of"),
+  EXPECT_NE(error_of([&] { timeline.at_time(-1e-3); }).find("before the beginning of"),
             std::string::npos);
   EXPECT_EQ(error_of([&] { SceneTimeline(series("first_frame = 20\n")); }),
             "s.toml:9:8: there is no file \"run_####.vdb\" with a number from 20");
@@ -230,15 +230,15 @@ TEST_F(Timeline, WhatATableMayNotBe) {
             "[mm], brightness\"");
   EXPECT_EQ(table_error("time [ms],x [mm]\n"), "t.csv: the table has no rows");
   EXPECT_EQ(table_error("time [ms],x [mm]\n0,1\n1,nan\n"),
-            "t.csv:3:3: x is \"nan\", and must be a finite number");
+            "t.csv:3:3: x is \"nan\"; it must be a finite number");
   EXPECT_EQ(table_error("time [ms],x [mm]\n0, one\n"),
-            "t.csv:2:4: x is \"one\", and must be a finite number");
+            "t.csv:2:4: x is \"one\"; it must be a finite number");
   EXPECT_EQ(table_error("time [ms],x [mm]\n0,\n"),
-            "t.csv:2:3: x is missing, and must be a finite number");
+            "t.csv:2:3: x is missing; it must be a finite number");
   EXPECT_EQ(table_error("time [ms],x [mm]\n1,1\n0.5,1\n"),
-            "t.csv:3:1: the times must ascend, and 500 us follows 1 ms");
+            "t.csv:3:1: the times must increase, but 500 us follows 1 ms");
   EXPECT_EQ(table_error("time [ms],x [mm]\n1,1\n1,2\n"),
-            "t.csv:3:1: the times must ascend, and 1 ms follows 1 ms");
+            "t.csv:3:1: the times must increase, but 1 ms follows 1 ms");
   EXPECT_EQ(table_error("time [ms],x [mm]\n1,1,1\n"),
             "t.csv:2: the row has 3 cells, and the header 2");
   EXPECT_NE(table_error("time [ms],w [mm]\n").find("t.csv:1:11: unknown column \"w [mm]\""),
@@ -252,7 +252,7 @@ TEST_F(Timeline, WhatATableMayNotBe) {
             std::string::npos);
   EXPECT_NE(table_error("time [ms],x [mm],x [m]\n").find("t.csv:1:18: column \"x\" is there twice"),
             std::string::npos);
-  EXPECT_NE(table_error("time [ms]\n0\n").find("nothing beside the time"), std::string::npos);
+  EXPECT_NE(table_error("time [ms]\n0\n").find("the time is the only column"), std::string::npos);
   EXPECT_NE(table_error("time [ms],scale\n0,0\n").find("t.csv:2:3: scale is 0"), std::string::npos);
   EXPECT_NE(table_error("time [ms],brightness\n0,-1\n").find("brightness is -1"),
             std::string::npos);
@@ -280,7 +280,7 @@ TEST_F(Timeline, WhatDoesNotGoTogether) {
   EXPECT_EQ(refused("file = \"a#1.vdb\"\n"), "");  // a name like any other
   EXPECT_NE(error_of([&] {
               SceneTimeline(scene("file = \"a_##_##.vdb\"\nframe_rate = \"1 Hz\"\n"));
-            }).find("is no series of files"),
+            }).find("is not a series of files"),
             std::string::npos);
 }
 

@@ -94,8 +94,8 @@ TEST(Validate, EmissionLinesThatCountTheSameGridTwice) {
     });
   };
   const std::string twice =
-      "flames[0].lines[1] reads the same grid as flames[0].lines[0]: its light counts twice; give "
-      "each a grid of its own, or a scale";
+      "flames[0].lines[1] reads the same grid as flames[0].lines[0], so its light counts twice; "
+      "give each its own grid, or a scale";
   EXPECT_EQ(warning({LineKind::c2_474}, {LineKind::c2_517}), twice);
   EXPECT_EQ(warning({LineKind::c2_517, 0, 0, {"g"}}, {LineKind::ch, 0, 0, {"g"}}), twice);
   EXPECT_EQ(warning({LineKind::ch}, {LineKind::ch}), twice);
@@ -373,7 +373,7 @@ TEST(Validate, PupilFilters) {
   PupilFilterSpec outside{"far", PupilPartShape::polygon};
   outside.corners = {{1.1, 0}, {2, 0}, {2, 1}};
   EXPECT_EQ(error({outside}),
-            "pupil filter \"far\" lies outside of the stop, whose radius is 1; it would cover "
+            "pupil filter \"far\" lies outside of the stop, whose radius is 1, and covers "
             "nothing");
   outside.corners.pop_back();
   EXPECT_EQ(error({outside}), "pupil filter \"far\" is a polygon and needs three corners or more");
@@ -383,7 +383,7 @@ TEST(Validate, PupilFilters) {
   a.outer = 0.4;
   EXPECT_EQ(error({a}),
             "pupil filter \"a\" reaches from 0.5 to 0.4 radii of the stop; its outer radius must "
-            "be the larger one");
+            "be larger");
   a.outer = 1;
   a.transmission = "600 nm 1.1, 700 nm 1";
   EXPECT_EQ(error({a}),
@@ -398,8 +398,7 @@ TEST(Validate, PupilFilters) {
                 s.camera.pupil_filters = {whole};
                 s.channels = {{"red", ChannelKind::band, 650e-9, 10e-9}};
               }),
-              "none of the pupil filters lets anything through of channel \"red\", so its picture "
-              "is black");
+              "no pupil filter transmits light of channel \"red\", so its picture is black");
   }
   whole.transmission = "400 nm 0";
   EXPECT_EQ(error({whole}),
@@ -565,8 +564,8 @@ TEST(Validate, IdealLensesThatNoGlassCouldBe) {
   };
   const auto error = [&](double f) { return error_after([&](Scene& s) { ideal(s, f); }); };
   EXPECT_EQ(error(1e-53),
-            "camera.array.types[1].focal_length is 1e-44 nm, shorter than any glass of the "
-            "diameter 100 um can have; 6.25 um is the least");
+            "camera.array.types[1].focal_length is 1e-44 nm, too short for glass with the "
+            "diameter 100 um; it must be at least 6.25 um");
   // Two faces of radius D / 2 and index 5, the lensmaker's equation: f = D / 16.
   EXPECT_EQ(error(6.26e-6), "");
   EXPECT_EQ(error(-6.26e-6), "");

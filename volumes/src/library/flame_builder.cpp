@@ -84,8 +84,7 @@ FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double 
   if (voxel_size > 0.5 * least)
     throw InputError(
         fmt::format("a voxel size of {:g} mm is too coarse for a flame of {:.3g} x {:.3g} x {:.3g} "
-                    "mm, which would fall between its samples; choose one of at most {:.2g} mm, "
-                    "better a tenth of that",
+                    "mm; choose at most {:.2g} mm, better a tenth of that",
                     voxel_size * 1e3, size.x * 1e3, size.y * 1e3, size.z * 1e3, 0.5e3 * least));
   // One voxel more on each side: a sample's voxel reaches half a voxel beyond it.
   const auto low = [&](double x) { return x / voxel_size - 1; };
@@ -97,8 +96,8 @@ FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double 
     count *= (corners[axis + 3] - corners[axis]) / kBrickSize + 1;
   if (!(count < 4.0 * static_cast<double>(kMaxBricks)))
     throw InputError(
-        fmt::format("a voxel size of {:g} mm gives {:.3g} million voxels, which is too "
-                    "many; choose a larger one",
+        fmt::format("a voxel size of {:g} mm gives {:.3g} million voxels, which is too many; "
+                    "choose a larger one",
                     voxel_size * 1e3, count * kBrickValues / 1e6));
 
   std::vector<BrickIndex> bricks;

@@ -153,7 +153,7 @@ void visit(SootFlameOptions& o, Visit&& field) {
   field("voxel_size", "Spacing of the grids' samples", kLength, o.voxel_size);
   field("height", "Height of the luminous flame", kLength, o.height);
   field("base_radius", "Radius of the annulus of soot at the foot", kLength, o.base_radius);
-  field("bulge", "By how much the annulus widens before it closes", kLength, o.bulge);
+  field("bulge", "Growth of the annulus' radius before it closes", kLength, o.bulge);
   field("annulus_width", "Half width of the annulus, where soot has fallen to 1/e", kLength,
         o.annulus_width);
   field("core_width", "Half width of the sooting core", kLength, o.core_width);
@@ -163,7 +163,8 @@ void visit(SootFlameOptions& o, Visit&& field) {
         o.peak_volume_fraction);
   field("peak_position", "Height of the densest soot as a share of the flame's, in (0, 1)", kNumber,
         o.peak_position);
-  field("sharpness", "How sharply soot peaks along the height, above 0", kNumber, o.sharpness);
+  field("sharpness", "Sharpness of the peak of soot along the height, above 0", kNumber,
+        o.sharpness);
   field("rim_temperature", "Highest temperature, outside of the annulus", kKelvin,
         o.rim_temperature);
   field("core_temperature_base", "Temperature on the axis at the foot", kKelvin,
@@ -186,8 +187,7 @@ void visit(CylinderFlameOptions& o, Visit&& field) {
   field("voxel_size", "Spacing of the grids' samples", kLength, o.voxel_size);
   field("radius", "Radius of the cylinder", kLength, o.radius);
   field("height", "Height of the cylinder", kLength, o.height);
-  field("absorption", "Absorption coefficient, the same everywhere in it", kAbsorption,
-        o.absorption);
+  field("absorption", "Absorption coefficient, uniform in the cylinder", kAbsorption, o.absorption);
   field("temperature_swing", "Difference between the coldest and the hottest place", kKelvin,
         o.temperature_swing);
 }
@@ -203,7 +203,7 @@ void visit(TurbulentFlameOptions& o, Visit&& field) {
   field("peak_absorption", "Absorption coefficient of the thickest sheets", kAbsorption,
         o.peak_absorption);
   field("peak_temperature", "Temperature of the hottest sheets", kKelvin, o.peak_temperature);
-  field("seed", "Another whole number gives another flame of the same kind", o.seed);
+  field("seed", "Seed: another whole number gives another flame of the same kind", o.seed);
 }
 
 template <auto options>

@@ -60,9 +60,8 @@ std::string verdict_text(const Comparison& c) {
   switch (verdict(c)) {
     case Verdict::unknown:
       return readable_percent(c.dark_in_one_share) +
-             " of the lit pixels are dark in one image only: too few rays to know the noise, and "
-             "no "
-             "difference beyond it is seen";
+             " of the lit pixels are dark in only one image: there are too few rays to know the "
+             "noise; no difference beyond it is seen";
     case Verdict::noise:
       return "nothing more than noise is seen";
     case Verdict::more_than_noise:
@@ -107,7 +106,7 @@ int run_compare(const CompareArguments& settings) {
   double limit = -1;
   if (!settings.limit.empty()) {
     limit = quantity_option("--limit", settings.limit, Dimension::none);
-    if (!(limit >= 0)) throw UsageError("--limit: a share that is not negative, e.g. 1%");
+    if (!(limit >= 0)) throw UsageError("--limit must be a share of at least 0, e.g. 1%");
   }
   const LightField a = read_light_field(settings.a);
   const LightField reference = read_light_field(settings.reference);
@@ -155,10 +154,9 @@ void register_compare(const Registry& registry) {
       "plenoflame compare fast.exr converged.exr --limit 1%");
   command.add_option("A", settings->a, "Light field (.exr) to judge")->required();
   command
-      .add_option(
-          "REFERENCE", settings->reference,
-          "Light field (.exr) that it should equal; pixels are lit where the mean of both is above "
-          "1 % of its largest")
+      .add_option("REFERENCE", settings->reference,
+                  "Light field (.exr) to compare with; a pixel is lit if the mean of both is above "
+                  "1 % of its largest value")
       ->required();
   command.add_option("--channel", settings->channel, "Channel; without it, the reference's first")
       ->option_text("NAME");
@@ -168,17 +166,17 @@ void register_compare(const Registry& registry) {
                   "mean(REFERENCE) over lit pixels, exceeds this, e.g. 1%")
       ->option_text("SHARE");
   command.add_flag("--by-lens", settings->lenses.wanted,
-                   "A is measured, REFERENCE simulated: how A lies on it by parts of a pixel, and "
-                   "its gain, over all and for each micro-image");
+                   "For a measured A and a simulated REFERENCE: subpixel shift and gain of A, "
+                   "overall and for each micro-image");
   command
       .add_option("--lenses", settings->lenses.csv,
-                  "The same, with a table of all micro-images: gain, shift and what is left")
+                  "Like --by-lens, with a table of all micro-images: gain, shift and residual")
       ->check(written())
       ->option_text("FILE.csv");
   command
       .add_option("--map", settings->lenses.map,
-                  "The same, with a picture of what is left: red where A is brighter, full colour "
-                  "at a tenth of the brightest light")
+                  "Like --by-lens, with a picture of the residual: red where A is brighter, full "
+                  "colour at a tenth of the brightest light")
       ->check(written())
       ->option_text("FILE.png");
   command.add_flag("--json", settings->json, "Print the figures as JSON");

@@ -58,7 +58,7 @@ void compare_lenses(const LightField& measured, const LightField& simulated,
                     const LensComparison& settings, Report& report) {
   if (!(measured.window == simulated.window) || measured.sensor_width != simulated.sensor_width ||
       measured.sensor_height != simulated.sensor_height)
-    throw InputError("--by-lens: both light fields must be of the same sensor and window");
+    throw InputError("--by-lens: both light fields must have the same sensor and window");
   const CameraSpec spec = read_scene_of(simulated, path).scene.camera;
   check_raw_image(simulated, spec, path);
   const Image& a = find_channel(measured, channel).flux;

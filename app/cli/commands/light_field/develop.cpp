@@ -38,7 +38,7 @@ struct DevelopArguments {
 Scene needed_scene(const DevelopArguments& settings, const LightField& light_field) {
   const std::string& path = settings.input;
   if (light_field.scene_text.empty())
-    throw InputError(path + " does not say what its channels are: it holds no scene");
+    throw InputError(path + " holds no scene, so its channels are not known");
   return read_scene_of(light_field, path, settings.set).scene;
 }
 
@@ -60,7 +60,7 @@ DevelopSpec effective_spec(const DevelopArguments& settings, DevelopSpec spec) {
   } else if (!settings.saturation.empty()) {
     spec.saturation = quantity_option("--saturation", settings.saturation, Dimension::flux);
     if (!(spec.saturation > 0))
-      throw UsageError("--saturation: a flux above 0 W, or 'auto' for automatic exposure");
+      throw UsageError("--saturation must be a flux above 0 W, or 'auto' for automatic exposure");
   }
   if (settings.bits > 0) spec.bits = settings.bits;
   if (!settings.curve.empty())
@@ -78,7 +78,7 @@ int run_develop(const DevelopArguments& settings) {
   const bool frames = settings.sensor.any() || output.ends_with(".exr") ||
                       output.ends_with(".tif") || output.ends_with(".tiff");
   if (frames && settings.colour)
-    throw UsageError("--colour makes a picture to look at, not a frame of the sensor");
+    throw UsageError("--colour cannot be used with frames of the sensor; leave one of them out");
   check_writable(output);
   if (!frames) check_ending("--output", output, {".png"});
   const LightField light_field = read_light_field(settings.input);
@@ -86,7 +86,8 @@ int run_develop(const DevelopArguments& settings) {
     return develop_sensor(settings.sensor, light_field, needed_scene(settings, light_field),
                           settings.channel, settings.input, output, settings.json);
   if (settings.colour && light_field.unit == "e-")
-    throw InputError("the light field holds electrons; make the colour picture from the one in W");
+    throw InputError(
+        "the light field holds electrons; make the colour picture from the light field in W");
   if (settings.colour)
     return develop_colour(light_field, needed_scene(settings, light_field),
                           effective_spec(settings, scene_spec(settings, light_field)).saturation,
@@ -140,31 +141,30 @@ void register_develop(const Registry& registry) {
       ->check(written())
       ->option_text("FILE");
   command
-      .add_option(
-          "--saturation", settings->saturation,
-          "Flux per pixel that gives the largest digital number, e.g. \"5000 nW\", or auto: "
-          "99.9 % of the pixels with light do not exceed it; without it, as the scene says, else "
-          "auto")
+      .add_option("--saturation", settings->saturation,
+                  "Flux per pixel that gives the largest digital number, e.g. \"5000 nW\", or "
+                  "auto: 99.9 % of the pixels with light do not exceed it; without it, the value "
+                  "of the scene, else auto")
       ->option_text("FLUX");
   command
       .add_option("--bits", settings->bits,
-                  "Bits of the sensor, 1 to 16; without it, as the scene says, else 14")
+                  "Bits of the sensor, 1 to 16; without it, the value of the scene, else 14")
       ->check(CLI::Range(1, 16))
       ->option_text("N");
   command
       .add_option("--curve", settings->curve,
-                  "linear: samples are digital numbers in the upper bits; display: through the "
-                  "transfer function of sRGB; without it, as the scene says, else display")
+                  "linear: samples are digital numbers in the upper bits; display: transfer "
+                  "function of sRGB; without it, the curve of the scene, else display")
       ->check(one_of({"linear", "display"}))
       ->option_text("CURVE");
   command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")
       ->option_text("NAME");
   command.add_flag("--colour", settings->colour,
-                   "A colour picture: of channels with the responses cie_x, cie_y, cie_z, or else "
-                   "of the first three as red, green, blue; 8 bits, sRGB");
+                   "Write a colour picture (8 bits, sRGB) from the channels with responses cie_x, "
+                   "cie_y, cie_z, else from the first three as red, green, blue");
   command.add_flag("--sensor", settings->sensor.sensor,
-                   "Frames as the scene's camera.sensor records them: .png and .tif hold digital "
-                   "numbers as they are, .exr electrons of all channels");
+                   "Write frames as the scene's camera.sensor records them: .png and .tif hold "
+                   "digital numbers as they are, .exr electrons of all channels");
   command
       .add_option("--exposure", settings->sensor.exposures,
                   "Exposure time, or several for a series: \"1 ms,4 ms\"; auto: 99.9 % of the "
@@ -179,16 +179,18 @@ void register_develop(const Registry& registry) {
       ->option_text("NAME=TIME");
   command
       .add_option("--noise", settings->sensor.noise,
-                  "Noise that is kept, of shot, read, dark, defects; none: none of it")
+                  "Noise to simulate, from shot, read, dark, defects; or none")
       ->delimiter(',')
       ->check(one_of({"shot", "read", "dark", "defects", "none"}))
       ->option_text("LIST");
-  command.add_option("--noise-seed", settings->sensor.noise_seed, "Of noise and defects")
+  command.add_option("--noise-seed", settings->sensor.noise_seed, "Seed of noise and defects")
       ->option_text("N");
-  command.add_option("--frames", settings->sensor.frames, "Frames, each with noise of its own (1)")
+  command
+      .add_option("--frames", settings->sensor.frames,
+                  "Number of frames, each with its own noise (1)")
       ->check(CLI::Range(1, 10000))
       ->option_text("N");
-  command.add_flag("--dark", settings->sensor.dark, "Dark frames: no light");
+  command.add_flag("--dark", settings->sensor.dark, "Record dark frames, without light");
   command
       .add_option("--threads", settings->sensor.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))

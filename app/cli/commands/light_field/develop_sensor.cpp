@@ -40,8 +40,8 @@ SensorSpec with_noise(SensorSpec sensor, const SensorOptions& options) {
     char* end = nullptr;
     sensor.noise_seed = std::strtoull(options.noise_seed.c_str(), &end, 10);
     if (*end != '\0' || options.noise_seed.front() == '-')
-      throw UsageError("--noise-seed: a whole number of at least 0, not '" + options.noise_seed +
-                       "'");
+      throw UsageError("--noise-seed must be a whole number of at least 0, not '" +
+                       options.noise_seed + "'");
   }
   return sensor;
 }
@@ -55,7 +55,7 @@ std::vector<double> times_of(const SensorOptions& options, const SensorSpec& sen
       continue;
     }
     times.push_back(quantity_option("--exposure", text, Dimension::time));
-    if (!(times.back() > 0)) throw UsageError("--exposure: a time above 0 s, or 'auto'");
+    if (!(times.back() > 0)) throw UsageError("--exposure must be a time above 0 s, or 'auto'");
   }
   return times;
 }
@@ -72,14 +72,15 @@ std::vector<double> channel_times(const SensorOptions& options, const SensorSpec
     }
     const std::size_t sign = text.find('=');
     if (sign == std::string::npos)
-      throw UsageError("--channel-exposure: CHANNEL=TIME, like \"650nm=4 ms\", or 'auto', not '" +
-                       text + "'");
+      throw UsageError(
+          "--channel-exposure must be CHANNEL=TIME, like \"650nm=4 ms\", or 'auto', not '" + text +
+          "'");
     const LightFieldChannel& channel = find_channel(field, text.substr(0, sign));
     const std::string value = text.substr(sign + 1);
     double& time = times[static_cast<std::size_t>(&channel - field.channels.data())];
     time = value == "auto" ? 0 : quantity_option("--channel-exposure", value, Dimension::time);
     if (value != "auto" && !(time > 0))
-      throw UsageError("--channel-exposure: a time above 0 s, or 'auto'");
+      throw UsageError("--channel-exposure must be a time above 0 s, or 'auto'");
   }
   return times;
 }
@@ -238,8 +239,8 @@ class Developer {
     const double time = automatic_exposure({channels_.at(channel)}, sensor_);
     if (!(time > 0))
       throw InputError("channel " + field_.channels[channel].name +
-                       " is dark, or of all wavelengths, so it has no automatic exposure; give one "
-                       "with --channel-exposure");
+                       " is dark, or of all wavelengths, so it has no automatic exposure; give a "
+                       "time with --channel-exposure");
     return time;
   }
 
@@ -258,8 +259,7 @@ class Developer {
           "from it; render a band, a line or a response");
     if (!(shortest > 0))
       throw InputError(
-          "nothing is lit, so there is no automatic exposure; give one with "
-          "--exposure");
+          "no pixel has light, so there is no automatic exposure; give a time with --exposure");
     return shortest;
   }
 
@@ -290,7 +290,7 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
                    const std::string& channel, const std::string& input, const std::string& output,
                    bool json) {
   if (light_field.unit == "e-")
-    throw InputError("the light field holds electrons already; develop the one in W");
+    throw InputError("the light field holds electrons already; develop the light field in W");
   const SensorSpec sensor = with_noise(scene.camera.sensor, options);
   if (!options.each.empty() && !options.exposures.empty())
     throw UsageError("--exposure and --channel-exposure exclude each other");

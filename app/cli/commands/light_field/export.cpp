@@ -59,13 +59,13 @@ int run_export(const ExportArguments& settings, const std::stop_token& stop) {
   how.name = settings.name.empty() ? std::filesystem::path(settings.raw.input).stem().string()
                                    : settings.name;
   if (how.name.find('/') != std::string::npos)
-    throw UsageError("--name: a name without folders; the folder is given with --output");
+    throw UsageError("--name must not contain folders; give the folder with --output");
   how.grid = settings.grid;
   how.views = settings.views.settings();
   how.views.channel = find_channel(raw.field, settings.raw.channel).name;
   if (!settings.saturation.empty()) {
     how.saturation = quantity_option("--saturation", settings.saturation, Dimension::flux);
-    if (!(how.saturation > 0)) throw UsageError("--saturation: a flux above 0 W");
+    if (!(how.saturation > 0)) throw UsageError("--saturation must be a flux above 0 W");
   }
   Execution execution;
   execution.threads = settings.raw.threads;
@@ -102,10 +102,10 @@ int run_export(const ExportArguments& settings, const std::stop_token& stop) {
 
 void register_export(const Registry& registry) {
   auto settings = std::make_shared<ExportArguments>();
-  CLI::App& command = add_command(registry, "export", "Files for other light-field tools",
+  CLI::App& command = add_command(registry, "export", "Export a light field for other tools",
                                   "plenoflame export flame.exr --format hci -o flame-hci");
   add_raw_input(command, settings->raw, "Folder for the files; made when missing");
-  std::string about = "Of which tool:";
+  std::string about = "Format of a tool:";
   std::vector<std::string> names;
   for (const ExportName& format : export_formats()) {
     names.emplace_back(format.name);
@@ -116,7 +116,8 @@ void register_export(const Registry& registry) {
       ->required()
       ->check(one_of(names))
       ->option_text("NAME");
-  command.add_option("--name", settings->name, "Stem of the files' names; without it, that of RAW")
+  command
+      .add_option("--name", settings->name, "Stem of the file names; without it, the stem of RAW")
       ->option_text("STEM");
   command
       .add_option("--grid", settings->grid,
@@ -126,8 +127,8 @@ void register_export(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--channels", settings->channels,
-                  "Red, green and blue of the pictures; without it the scene's colour channels, "
-                  "where it has some and the tool knows colour; grey with --channel")
+                  "Red, green and blue of the pictures; without it, the scene's colour channels, "
+                  "if any and if the tool has colour; grey with --channel")
       ->delimiter(',')
       ->option_text("R,G,B");
   add_view_options(command, settings->views);

@@ -59,7 +59,8 @@ AbsorptionSpectrum law_of(const PyrometryArguments& settings, const Scene& scene
   name = "as the scene's flames";
   for (const FlameSpec& flame : scene.flames)
     if (!(flame.spectrum == scene.flames.front().spectrum))
-      throw UsageError("--law: the scene's flames have different spectra; say which law to take");
+      throw UsageError(
+          "--law: the scene's flames have different spectra; choose grey, soot or power");
   const AbsorptionSpectrum law = absorption_spectrum(scene.flames.front().spectrum);
   if (law.is_grey()) name = "grey, as the scene's flames";
   return law;
@@ -102,10 +103,10 @@ std::pair<double, double> range_of(const PyrometryArguments& settings, const Tem
   if (!settings.range.empty()) {
     const auto comma = settings.range.find(',');
     if (comma == std::string::npos)
-      throw UsageError("--range: two temperatures, like \"1400 K,2000 K\"");
+      throw UsageError("--range needs two temperatures, like \"1400 K,2000 K\"");
     low = quantity_option("--range", settings.range.substr(0, comma), Dimension::temperature);
     high = quantity_option("--range", settings.range.substr(comma + 1), Dimension::temperature);
-    if (!(high > low)) throw UsageError("--range: the second temperature must be the higher one");
+    if (!(high > low)) throw UsageError("--range: the second temperature must be above the first");
   }
   return {low, std::max(high, low + 1)};
 }
@@ -125,17 +126,17 @@ void add_temperatures(const TemperatureMap& map, Report& report) {
 /// The two colours are those of filters over parts of the stop, in one channel.
 int run_with_filters(const PyrometryArguments& settings, const LightField& field,
                      const Scene& scene) {
-  if (settings.filters.size() != 2) throw UsageError("--filters: two names, separated by a comma");
+  if (settings.filters.size() != 2)
+    throw UsageError("--filters needs two names, separated by a comma");
   if (settings.channels.size() > 1)
-    throw UsageError("--filters: the colours are those of one channel; give --channels one name");
+    throw UsageError("--filters uses one channel; give --channels one name");
   if (!settings.bin.empty())
-    throw UsageError("--bin: with --filters the light of each microlens is added up already");
-  if (!settings.truth.empty())
     throw UsageError(
-        "--truth-picture: with --filters a pixel stands for a microlens, not for one "
-        "of the truth's");
+        "--bin cannot be used with --filters, which adds up the light of each microlens");
+  if (!settings.truth.empty())
+    throw UsageError("--truth-picture cannot be used with --filters, whose pixels are microlenses");
   if (!settings.reference.empty())
-    throw UsageError("--reference: with --filters a pixel stands for a microlens");
+    throw UsageError("--reference cannot be used with --filters, whose pixels are microlenses");
   const std::size_t channel =
       settings.channels.empty() ? 0 : index_of(field, settings.channels.front());
   std::string law_name;
@@ -183,10 +184,10 @@ int run_pyrometry(const PyrometryArguments& settings) {
   if (!settings.picture.empty()) check_ending("--picture", settings.picture, {".png"});
   if (!settings.truth.empty()) check_ending("--truth-picture", settings.truth, {".png"});
   if (settings.filters.empty() && !settings.channels.empty() && settings.channels.size() != 2)
-    throw UsageError("--channels: two names, separated by a comma");
+    throw UsageError("--channels needs two names, separated by a comma");
   const LightField field = read_light_field(settings.input);
   if (field.scene_text.empty())
-    throw InputError(settings.input + " does not say what its channels are: it holds no scene");
+    throw InputError(settings.input + " holds no scene, so its channels are not known");
   const Scene scene = read_scene_of(field, settings.input, settings.set).scene;
   if (!settings.filters.empty()) return run_with_filters(settings, field, scene);
   if (field.channels.size() < 2 || scene.channels.size() < field.channels.size())
@@ -288,7 +289,7 @@ void register_pyrometry(const Registry& registry) {
       ->option_text("FILE.exr");
   command
       .add_option("--picture", settings->picture,
-                  "The same in false colours, with a bar of temperatures at the right")
+                  "Temperature in false colours, with a colour bar at the right")
       ->check(written())
       ->option_text("FILE.png");
   command
@@ -298,33 +299,32 @@ void register_pyrometry(const Registry& registry) {
       ->option_text("FILE.png");
   command
       .add_option("--reference", settings->reference,
-                  "Light field of the same pixels without noise, or with less: how far the "
-                  "temperatures are from its own, bin by bin, which is noise alone")
+                  "Light field of the same pixels without noise, or with less; the differences to "
+                  "its temperatures, bin by bin, are reported")
       ->option_text("FILE.exr");
   command
-      .add_option(
-          "--range", settings->range,
-          "Temperatures of the darkest and the brightest colour, \"1400 K,2000 K\"; without "
-          "it, those that occur")
+      .add_option("--range", settings->range,
+                  "Temperatures of the darkest and the brightest colour, \"1400 K,2000 K\"; "
+                  "without it, the lowest and the highest")
       ->option_text("T,T");
   command
       .add_option("--channels", settings->channels, "The two channels; without it, the first two")
       ->delimiter(',')
       ->option_text("A,B");
   command
-      .add_option(
-          "--filters", settings->filters,
-          "The two colours are those of these camera.pupil_filters, by name, in one channel")
+      .add_option("--filters", settings->filters,
+                  "Take the two colours from two camera.pupil_filters, by name, in one channel")
       ->delimiter(',')
       ->option_text("A,B");
   command
       .add_option("--law", settings->law,
                   "How absorption depends on wavelength: grey, soot (1/wavelength) or power; "
-                  "without it, as the scene's flames")
+                  "without it, the law of the scene's flames")
       ->check(one_of({"grey", "soot", "power"}))
       ->option_text("LAW");
   command
-      .add_option("--exponent", settings->exponent, "Of law power: absorption as wavelength^-N (1)")
+      .add_option("--exponent", settings->exponent,
+                  "With --law power: absorption is proportional to wavelength^-N (1)")
       ->check(number_between(-20.0, 20.0))
       ->option_text("N");
   command
@@ -333,9 +333,9 @@ void register_pyrometry(const Registry& registry) {
       ->check(number_between(0.0, 1.0))
       ->option_text("SHARE");
   command
-      .add_option("--least-signal", settings->least_signal,
-                  "Pixels or bins with less light than so many of its standard errors have no "
-                  "temperature (2)")
+      .add_option(
+          "--least-signal", settings->least_signal,
+          "Pixels or bins whose light is below N of its standard errors have no temperature (2)")
       ->check(number_between(0.0, 1e6))
       ->option_text("N");
   command

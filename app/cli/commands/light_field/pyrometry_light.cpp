@@ -38,7 +38,7 @@ LightFieldChannel light_in_proportion(const LightField& field, const Scene& scen
         field.texts.contains("import.pictures")
             ? "the pictures were imported without an exposure time (import --exposure-time)"
             : "the electrons of channel " + channel.name +
-                  " have no exposure time: develop them anew");
+                  " have no exposure time; develop them again");
   // Any factor that both channels share may stay.
   const double per_electron = 1e-12 / (time * channel_wavelengths(scene)[index]);
   for (float& value : channel.flux.pixels)

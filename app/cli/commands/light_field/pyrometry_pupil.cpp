@@ -14,8 +14,7 @@ PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std:
                                const PyrometrySettings& settings) {
   if (field.unit != "W" && field.unit != "e-" && field.unit != "DN")
     throw InputError(
-        "--filters: temperatures from filters of the pupil need the flux that render writes or the "
-        "electrons of develop, this light field holds " +
+        "--filters needs the flux of render or the electrons of develop; this light field holds " +
         field.unit);
   check_raw_image(field, scene.camera, "the light field");
   LightField light;
@@ -47,8 +46,8 @@ PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std:
                                   scene.camera.pupil_filters[number].transmission);
     if (!response[k])
       throw InputError("pupil filter '" + filters[k] +
-                       "' has no transmission curve, and the channel has all wavelengths: that is "
-                       "no colour");
+                       "' has no transmission curve, and the channel has all wavelengths; give one "
+                       "of them a band");
     result.pixels[k] = found->pixels;
   }
   const TwoColour two(*response[0], *response[1], law);

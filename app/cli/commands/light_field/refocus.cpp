@@ -34,7 +34,7 @@ std::vector<double> depths_of(const RefocusArguments& settings) {
   const auto first = text.find(':'),
              second = text.find(':', first == std::string::npos ? first : first + 1);
   if (second == std::string::npos)
-    throw UsageError("--depths: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11, not '" + text + "'");
+    throw UsageError("--depths must be FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11, not '" + text + "'");
   const int count =
       whole_number_option("--depths FIRST:LAST:COUNT", text.substr(second + 1), 2, 1000);
   const double a = quantity_option("--depths", text.substr(0, first), Dimension::length);
@@ -126,9 +126,9 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
 
 void register_refocus(const Registry& registry) {
   auto settings = std::make_shared<RefocusArguments>();
-  CLI::App& command =
-      add_command(registry, "refocus", "Pictures focused on other distances, after the exposure",
-                  "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
+  CLI::App& command = add_command(registry, "refocus",
+                                  "Refocus a light field to other distances, after the exposure",
+                                  "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
   add_raw_input(command, settings->raw, "Folder for the pictures; made when missing");
   command
       .add_option("--depth", settings->depth,
@@ -143,15 +143,15 @@ void register_refocus(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--aperture", settings->aperture,
-                  "Diameter of the synthetic lens in those of the real one, above 0 to 1 (1)")
+                  "Diameter of the synthetic aperture over that of the main lens, above 0 to 1 (1)")
       ->check(number_between(1e-3, 1.0))
       ->option_text("A");
   command.add_flag("--all-in-focus", settings->all_in_focus,
                    "With --depths: the picture that is sharp everywhere, all_in_focus.png, and the "
                    "depth map of an opaque scene, depth.exr and depth.png");
   command.add_flag("--all-types", settings->all_types,
-                   "Use all types of microlenses alike; without it, each as it is sharp at the "
-                   "depth");
+                   "Use all types of microlenses equally; without it, weight each by its sharpness "
+                   "at the depth");
   command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
   add_raw_options(command, settings->raw);
   on_chosen(command, registry,

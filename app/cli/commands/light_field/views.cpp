@@ -99,9 +99,9 @@ int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
 
 void register_views(const Registry& registry) {
   auto settings = std::make_shared<ViewsArguments>();
-  CLI::App& command =
-      add_command(registry, "views", "Sub-aperture views: the scene from places on the main lens",
-                  "plenoflame views flame.exr -o views --grid 5");
+  CLI::App& command = add_command(
+      registry, "views", "Make sub-aperture views: the scene as seen from points of the main lens",
+      "plenoflame views flame.exr -o views --grid 5");
   add_raw_input(command, settings->raw, "Folder for contact.png and the views; made when missing");
   command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
       ->check(CLI::Range(1, 99))
@@ -109,7 +109,7 @@ void register_views(const Registry& registry) {
   add_view_options(command, settings->views);
   command
       .add_option("--type", settings->type,
-                  "Microlenses of this type alone, by its name in the scene; without it, all")
+                  "Use only microlenses of this type, by its name in the scene; without it, all")
       ->option_text("NAME");
   command
       .add_option("--epipolar-row", settings->epipolar_row,
@@ -123,7 +123,7 @@ void register_views(const Registry& registry) {
       ->option_text("COLUMN");
   command.add_flag(
       "--raw-flux", settings->raw_flux,
-      "Views hold the flux per pixel as recorded; without it, radiances: vignetting corrected");
+      "Write the flux per pixel as recorded; without it, radiances with vignetting corrected");
   command.add_flag("--exr", settings->exr, "Write the views as EXR as well");
   command.add_flag("--sheet-only", settings->sheet_only,
                    "Write the contact sheet, not the single views");

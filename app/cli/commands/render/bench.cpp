@@ -196,8 +196,7 @@ int run_bench(const Arguments& arguments, const std::stop_token& stop) {
   for (const BenchmarkPoint& point : result.points)
     if (point.relative_rmse < 2 * result.reference.relative_error) {
       execution.warn(
-          "the reference's own error is not small against the smallest that was measured; give "
-          "more "
+          "the error of the reference is not small against the smallest measured error; give more "
           "--reference-samples");
       break;
     }
@@ -260,7 +259,7 @@ void register_bench(const Registry& registry) {
       ->option_text("LIST");
   command.add_option("--bundles", a.bundles, "Forward: energy bundles in total (1e5,4e5,1.6e6)")
       ->option_text("LIST");
-  command.add_option("--repeat", a.repeat, "Runs of each, with different seeds (3)")
+  command.add_option("--repeat", a.repeat, "Runs of each measurement, with different seeds (3)")
       ->check(CLI::Range(1, 1000))
       ->option_text("N");
   command.add_option("--threads", a.threads, "Worker threads; 0: one per processor (0)")
@@ -276,7 +275,8 @@ void register_bench(const Registry& registry) {
                   "Folder in which the reference is kept (plenoflame in the user's cache folder)")
       ->option_text("DIR");
   command
-      .add_option("--compare", a.compare, "Say what became faster or worse since this run (.json)")
+      .add_option("--compare", a.compare,
+                  "Compare time, memory and error with this earlier run (.json)")
       ->option_text("FILE");
   command.add_flag("--quiet", a.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", a.json, "Print the figures as JSON");

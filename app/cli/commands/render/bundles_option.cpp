@@ -13,8 +13,8 @@ namespace plenoflame::cli {
 void add_bundles_option(CLI::App& command, std::vector<std::string>& names) {
   command
       .add_option("--compiled", names,
-                  "Rays of cameras that `plenoflame compile` has found, one file for each camera, "
-                  "in place of --rays and --seed")
+                  "Compiled rays from `plenoflame compile`, one file per camera, in place of "
+                  "--rays and --seed")
       ->option_text("FILE.bundle ...")
       ->excludes("--rays")
       ->excludes("--seed");
@@ -23,8 +23,8 @@ void add_bundles_option(CLI::App& command, std::vector<std::string>& names) {
 NamedBundles read_bundles(const std::vector<std::string>& names, std::size_t cameras) {
   if (!names.empty() && names.size() != cameras)
     throw UsageError(
-        fmt::format("--compiled: {} files for {} cameras: each camera needs one of its own, in "
-                    "the order of the cameras",
+        fmt::format("--compiled: {} files for {} cameras; give one file per camera, in the order "
+                    "of the cameras",
                     names.size(), cameras));
   NamedBundles bundles;
   for (const std::string& name : names)

@@ -33,14 +33,14 @@ CompileSettings checked(const CompileArguments& arguments) {
   if (!arguments.error.empty()) {
     settings.error = quantity_option("--error", arguments.error, Dimension::none);
     if (!(settings.error > 0 && settings.error < 1))
-      throw UsageError("--error: a share above 0 % and below 100 %, e.g. 0.2%, not '" +
+      throw UsageError("--error must be a share above 0 % and below 100 %, e.g. 0.2%, not '" +
                        arguments.error + "'");
   }
   if (!arguments.window.empty()) settings.window = window_option("--window", arguments.window);
   if (!arguments.region.empty()) settings.region = box_option("--region", arguments.region);
   if (!arguments.margin.empty()) {
     settings.margin = quantity_option("--margin", arguments.margin, Dimension::length);
-    if (!(settings.margin >= 0)) throw UsageError("--margin: a length of at least 0 is wanted");
+    if (!(settings.margin >= 0)) throw UsageError("--margin must be a length of at least 0");
   }
   if (!arguments.samples.empty())
     settings.samples = whole_number_option("--samples", arguments.samples, 2, 1 << 16);
@@ -107,8 +107,8 @@ void register_compile(const Registry& registry) {
       ->option_text("FILE.bundle");
   command
       .add_option("--error", arguments->error,
-                  "Error that pictures of a flame in layers are to have, relative RMSE over lit "
-                  "pixels; of smoother ones it is less (0.5%)")
+                  "Target error of pictures of a layered flame, as relative RMSE over lit pixels; "
+                  "smoother flames have a smaller error (0.5%)")
       ->option_text("SHARE");
   command
       .add_option("--window", arguments->window,
@@ -121,15 +121,16 @@ void register_compile(const Registry& registry) {
       ->option_text("X,Y,Z:X,Y,Z");
   command
       .add_option("--margin", arguments->margin,
-                  "Room for larger flames: the region grows so much on all sides (0)")
+                  "Length by which the region grows on all sides, as room for larger flames (0)")
       ->option_text("LENGTH");
   command
       .add_option("--samples", arguments->samples,
-                  "Rays per pixel and microlens from which the few are found (as --error needs)")
+                  "Rays per pixel and microlens to choose from (as --error needs)")
       ->option_text("N");
   command
-      .add_option("--level", arguments->level,
-                  "How many rays are kept of a pixel, 1 (10) to 7 (500) (as --error needs)")
+      .add_option(
+          "--level", arguments->level,
+          "Rays to keep per pixel, from level 1 (10 rays) to 7 (500 rays) (as --error needs)")
       ->check(CLI::Range(1, kCompileLevels))
       ->option_text("N");
   command.add_option("--seed", arguments->seed, "Seed of the rays (1)")->option_text("N");

@@ -44,11 +44,11 @@ void add_raw_options(CLI::App& command, RawArguments& arguments) {
       ->option_text("NAME");
   command
       .add_option("--scene", arguments.scene,
-                  "Scene file that gives the camera, for a light field without its own")
+                  "Scene file with the camera, for a light field that contains none")
       ->option_text("SCENE.toml");
   command
       .add_option("--camera", arguments.camera,
-                  "With --scene: which of its cameras, where it has several")
+                  "With --scene: name of the camera, if the scene has several")
       ->option_text("NAME");
   add_set_option(command, arguments.set);
   command.add_flag("--force", arguments.force, "Write into a folder that has files in it");
@@ -75,8 +75,8 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
   for (const auto& entry : view_resamplings()) names.push_back(entry.first);
   command
       .add_option("--resampling", arguments.resampling,
-                  "From microlenses to square pixels: barycentric, nearest, or the paper's kernels "
-                  "paper9 and paper10, for hexagonal arrays (barycentric)")
+                  "Resampling from microlenses to square pixels: barycentric, nearest, or the "
+                  "paper's kernels paper9 and paper10, for hexagonal arrays (barycentric)")
       ->check(one_of(names))
       ->option_text("NAME");
 }
@@ -104,11 +104,11 @@ RawLightField read_raw(const RawArguments& arguments, Layers layers) {
   raw.field = ours ? read_light_field_channel(path, arguments.channel, layers)
                    : read_foreign_channel(path, arguments.channel);
   if (scene.empty() && raw.field.scene_text.empty())
-    throw InputError("'" + path +
-                     "' holds no scene, so its camera is not known; give the one it was made with: "
-                     "--scene SCENE.toml");
+    throw InputError(
+        "'" + path +
+        "' holds no scene, so its camera is not known; give its scene with --scene SCENE.toml");
   if (scene.empty() && !arguments.camera.empty())
-    throw UsageError("--camera: without --scene the light field's own camera is taken");
+    throw UsageError("--camera needs --scene; without it, the light field's own camera is used");
   const Scene made = scene.empty()
                          ? read_scene_of(raw.field, path, arguments.set).scene
                          : read_scene_of_camera(scene, arguments.set, arguments.camera).scene;

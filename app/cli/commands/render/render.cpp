@@ -124,10 +124,10 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   if (s.table.nodes > 0) {
     const double all = s.table.looked_up + s.table.corrected + s.table.rough;
     report.add("radiance table",
-               share(s.table.looked_up, all) + " of the rays took their radiance from it, " +
+               share(s.table.looked_up, all) + " of the rays used it, " +
                    share(s.table.corrected, all) + " were traced to correct it, " +
                    share(s.table.rough, all) + " were traced where radiance varies too fast for " +
-                   "a table; it was filled with " + number(s.table.nodes) + " rays",
+                   "it; filled with " + number(s.table.nodes) + " rays",
                "table_looked_up", s.table.looked_up);
     report.add_json("table_corrected", s.table.corrected);
     report.add_json("table_rough", s.table.rough);
@@ -188,7 +188,7 @@ class StateKeeper {
       kept_ = true;
     } catch (const FileError& error) {
       if (!warned_)
-        execution_.warn(std::string("the state of the run cannot be kept: ") + error.what());
+        execution_.warn(std::string("the state of the run cannot be saved: ") + error.what());
       warned_ = true;
     }
   }
@@ -275,15 +275,15 @@ int conclude(const RenderOptions& options, const CameraSpec& camera,
   const char* const missing = truth_missing ? ", without its layers of ground truth" : "";
   if (stopped && statistics.complete)
     say(fmt::format("stopped; {} holds the whole picture{}{}", options.output, missing,
-                    options.frames ? "; go on with " + how_to_go_on(options, camera) : ""));
+                    options.frames ? "; continue with " + how_to_go_on(options, camera) : ""));
   else if (rendering_stopped)
-    say(fmt::format("stopped; {} holds what was rendered, marked partial{}; go on with {}",
+    say(fmt::format("stopped; {} holds the rendered part, marked partial{}; continue with {}",
                     options.output, missing, how_to_go_on(options, camera)));
   if (!stopped && !statistics.complete)
     execution.warn("the time limit ended before every part of the picture had a ray; " +
                    options.output + " is marked partial; " +
-                   (goes_on ? "go on with " + how_to_go_on(options, camera)
-                            : std::string("give it more time")));
+                   (goes_on ? "continue with " + how_to_go_on(options, camera)
+                            : std::string("give a longer --time-limit")));
   if (!stopped && !statistics.target_reached)
     say("error: the target error was not reached within the limit of samples or time: " +
         (statistics.flux > 0
@@ -388,8 +388,8 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
     const bool goes_on = options.frames || keeper.has_kept();
     say(fmt::format("stopped before {} was rendered; {}{}",
                     moments.size() > 1 ? "every moment of " + options.output : "anything",
-                    keeper.has_kept() ? "its state is kept; " : "",
-                    goes_on ? "go on with " + how_to_go_on(options, document.scene.camera)
+                    keeper.has_kept() ? "its state is saved; " : "",
+                    goes_on ? "continue with " + how_to_go_on(options, document.scene.camera)
                             : "nothing was written"));
     return 1;
   }
@@ -432,8 +432,8 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
 void check_truth(const RenderOptions& options, const SceneInTime& scene) {
   if (options.truth && scene.timeline && scene.moments().size() > 1)
     throw UsageError(
-        "--truth: the exposure covers several moments of the flames, and ground truth is of one; "
-        "take one with --set camera.sensor.exposure_time=0s");
+        "--truth needs one moment, but the exposure covers several; use --set "
+        "camera.sensor.exposure_time=0s");
 }
 
 /// Goes on with a run, as its record and the options say.
@@ -487,12 +487,13 @@ int run_render(const RenderArguments& arguments, JobCommunicator* ranks,
     if (asked.part &&
         !has_fixed_samples(render_settings_of(picture.options, picture.document.scene)))
       throw UsageError(
-          "--part: bundles of the forward estimator are not those of a part of the picture; render "
-          "pictures of several --seed and merge them");
+          "--part cannot be used with the forward estimator; render pictures with several --seed "
+          "and merge them");
     check_truth(picture.options, picture);
   }
   if (pictures.front().timeline && !asked.frames && !asked.time && !asked.quiet)
-    say("the scene changes with time, and this is its first frame; --frames and --time choose");
+    say("the scene changes with time, and this is its first frame; choose others with --frames or "
+        "--time");
   int status = 0;
   RenderRun run;
   run.ranks = ranks;

@@ -26,13 +26,13 @@ bool has_extension(const std::string& path, const char* extension) {
 
 void add_render_options(CLI::App& command, RenderArguments& arguments) {
   RenderOptions& options = arguments.options;
-  command.add_option("SCENE", options.scene, "Scene file (.toml); --resume FILE knows its own");
+  command.add_option("SCENE", options.scene,
+                     "Scene file (.toml); without it, --resume uses the scene of its run");
   add_set_option(command, options.set);
   command
-      .add_option(
-          "-o,--output", options.output,
-          "Light field to write (.exr); without it, that of --resume, or SCENE's name in the "
-          "current folder. Of several cameras each gets its own: OUT-NAME.exr")
+      .add_option("-o,--output", options.output,
+                  "Light field to write (.exr); without it, the file of --resume, or SCENE's name "
+                  "in the current folder. Several cameras get one file each: OUT-NAME.exr")
       ->check(written())
       ->check([](const std::string& file) {
         return file.empty() ? std::string("the name of the file is empty") : std::string();
@@ -41,21 +41,20 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   add_cameras_option(command, options.cameras);
   auto* const frames =
       command
-          .add_option(
-              "--frames", arguments.frames,
-              "Frames of flames that change with time, A to B, each into a file of its own, "
-              "OUT.0007.exr; with --resume OUT.exr those that are there are left out")
+          .add_option("--frames", arguments.frames,
+                      "Frames A to B of flames that change with time, one file each: OUT.0007.exr; "
+                      "with --resume OUT.exr, finished frames are skipped")
           ->option_text("A:B[:STEP]");
   command
       .add_option("--time", arguments.time,
-                  "A picture whose exposure begins so long after the first frame, with unit, e.g. "
-                  "2.5ms; without this and --frames the first frame")
+                  "Time between the first frame and the beginning of the exposure, e.g. 2.5ms; "
+                  "without --time and --frames, the first frame")
       ->excludes(frames)
       ->option_text("TIME");
   command
       .add_option("--samples", arguments.samples,
-                  "Rays per pixel and microlens (forward: energy bundles in total, 1e6 unless "
-                  "given); with --target-error or --time-limit, at most so many")
+                  "Rays per pixel and microlens (forward: energy bundles in total, default 1e6); "
+                  "an upper limit with --target-error or --time-limit")
       ->option_text("N");
   command
       .add_option("--target-error", arguments.target_error,
@@ -77,61 +76,60 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("N");
   command
       .add_option("--seed", arguments.seed,
-                  "Seed of the random numbers: the same gives the "
-                  "same image, for any number of threads")
+                  "Seed of the random numbers; the same seed gives the same image with any number "
+                  "of threads")
       ->option_text("N");
   command
       .add_option("--window", arguments.window,
                   "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
       ->option_text("X,Y,W,H");
   add_part_option(command, arguments.part,
-                  "Render only part K of N, into OUT-part-K-of-N.exr: 'plenoflame merge' makes the "
-                  "picture of all, bit by bit");
+                  "Render only part K of N, into OUT-part-K-of-N.exr; 'plenoflame merge' joins "
+                  "them to exactly the whole picture");
   command
       .add_option("--checkpoint", arguments.checkpoint,
-                  "Keep the state of the run at least so often, beside the light field in "
-                  "OUT.exr.state: what ends the process loses no more, e.g. 5min (60s)")
+                  "Save the state of the run to OUT.exr.state at least this often, e.g. 5min "
+                  "(60s); a crash loses no more work than that")
       ->option_text("TIME");
   command
       .add_option("--resume", options.resume,
-                  "Go on with the run that was to write this light field (.exr) and was "
-                  "stopped: scene and options are in its state, FILE.state. More for a light field "
-                  "that is complete: with --samples, --target-error, --time-limit or --truth")
+                  "Continue the stopped run that writes this light field (.exr); FILE.state holds "
+                  "its scene and options. To extend a complete light field, add --samples, "
+                  "--target-error, --time-limit or --truth")
       ->check(continued())
       ->option_text("FILE");
   command
       .add_option("--stats", options.stats,
-                  "Write times, rays, error and what was skipped to this file (.json)")
+                  "Write times, rays, error and skipped work to this file (.json)")
       ->check(written())
       ->option_text("FILE");
   command
       .add_option("--compression", options.compression,
-                  "How the light field is packed, without loss: rle (quick), zip (some percent "
+                  "Lossless compression of the light field: rle (quick), zip (some percent "
                   "smaller), piz or none (rle)")
       ->check(one_of({"none", "rle", "zip", "piz"}))
       ->option_text("NAME");
   command.add_flag("--truth", options.truth,
                    "Add layers of ground truth along each pixel's chief ray: optical depth, mean "
-                   "distance and temperature of what is seen, first and last place with "
-                   "absorption, solid surface "
-                   "and its distance");
+                   "distance and temperature of the visible flame, first and last absorbing point, "
+                   "solid surface and its distance");
   command.add_flag("--no-skip{false}", options.skip,
-                   "Do all work, also what the scene does not need (for comparison)");
-  command.add_flag(
-      "--no-control-variate{false}", options.control_variate,
-      "Integrate every ray through a grid, instead of correcting a table of radiance by "
-      "some of them (for comparison)");
+                   "Skip nothing: follow all rays and steps, also those that cannot change the "
+                   "picture (for comparison)");
+  command.add_flag("--no-control-variate{false}", options.control_variate,
+                   "Integrate every ray through a grid, without the table of radiance as control "
+                   "variate (for comparison)");
   command
       .add_option("--compiled", options.compiled,
-                  "Render by the rays of a camera that `plenoflame compile` has found: its seed "
-                  "and its number of rays")
+                  "Use the rays that `plenoflame compile` found for the camera, in their number "
+                  "and with their seed")
       ->option_text("FILE.bundle");
   command.add_flag("--white", options.white,
-                   "A white image: 1 W/(m^2 sr) from everywhere in place of the flames");
+                   "Render a white image: 1 W/(m^2 sr) from all directions in place of the flames");
   command
       .add_option("--f-numbers", arguments.f_numbers,
-                  "With --white: apertures such as 4,5.6,8, each written to a file of its own "
-                  "(OUT-f4.exr); the stop is narrowed")
+                  "With --white: f-numbers such as 4,5.6,8 to which the stop is narrowed, one file "
+                  "each (OUT-f4.exr)")
       ->option_text("LIST");
   command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", options.json, "Print the figures as JSON");
@@ -162,10 +160,12 @@ void check_compiled_options(const RenderArguments& arguments, const RenderOption
       {options.white, "--white"}};
   for (const auto& [given, name] : others)
     if (given)
-      throw UsageError(std::string(name) +
-                       ": a compiled camera (--compiled) has its own rays; leave one of the two");
+      throw UsageError(
+          std::string(name) +
+          " cannot be used with --compiled, which has its own rays; leave one of them out");
   if (!options.resume.empty() && !options.frames)
-    throw UsageError("--resume: a picture by a compiled camera is made at one go");
+    throw UsageError(
+        "--resume cannot be used with --compiled, which renders a picture in one step");
 }
 
 }  // namespace
@@ -174,10 +174,9 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   RenderOptions options = arguments.options;
   if (options.scene.empty() && options.resume.empty())
     throw UsageError(
-        "SCENE is required; only --resume FILE knows its scene (see plenoflame render "
-        "--help)");
+        "SCENE is required, unless --resume FILE is given (see plenoflame render --help)");
   if (options.scene.empty() && !options.set.empty())
-    throw UsageError("--set needs SCENE: a run that goes on keeps the scene that it began with");
+    throw UsageError("--set needs SCENE: a resumed run keeps its scene");
   // A run that goes on ends where it began.
   if (options.output.empty()) options.output = options.resume;
   options.output_given = !options.output.empty();
@@ -196,22 +195,22 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     const double target =
         quantity_option("--target-error", arguments.target_error, Dimension::none);
     if (!(target > 0 && target < 1))
-      throw UsageError("--target-error: a share above 0 % and below 100 %, e.g. 1%, not '" +
+      throw UsageError("--target-error must be a share above 0 % and below 100 %, e.g. 1%, not '" +
                        arguments.target_error + "'");
     options.target_error = target;
   }
   if (!arguments.time_limit.empty()) {
     const double limit = duration_option("--time-limit", arguments.time_limit);
     if (!(limit > 0))
-      throw UsageError("--time-limit: a time above 0 s, e.g. 60s, not '" + arguments.time_limit +
-                       "'");
+      throw UsageError("--time-limit must be a time above 0 s, e.g. 60s, not '" +
+                       arguments.time_limit + "'");
     options.time_limit = limit;
   }
   if (!arguments.checkpoint.empty()) {
     const double interval = duration_option("--checkpoint", arguments.checkpoint);
     if (!(interval > 0))
-      throw UsageError("--checkpoint: a time above 0 s, e.g. 5min, not '" + arguments.checkpoint +
-                       "'");
+      throw UsageError("--checkpoint must be a time above 0 s, e.g. 5min, not '" +
+                       arguments.checkpoint + "'");
     options.checkpoint = interval;
   }
   if (!arguments.estimator.empty())
@@ -220,14 +219,14 @@ RenderOptions checked_options(const RenderArguments& arguments) {
   if (!arguments.part.empty()) options.part = part_option("--part", arguments.part);
   if (options.part && (options.target_error || options.time_limit))
     throw UsageError(
-        "--part: what --target-error or --time-limit asks for depends on the whole picture, of "
-        "which "
-        "a part does not know; give --samples");
+        "--part cannot be used with --target-error or --time-limit, which apply to the whole "
+        "picture; give --samples");
   if (!arguments.f_numbers.empty()) {
     options.f_numbers = f_number_list(arguments.f_numbers);
-    if (!options.white) throw UsageError("--f-numbers: only white images are taken at several");
+    if (!options.white) throw UsageError("--f-numbers needs --white");
     if (!options.resume.empty())
-      throw UsageError("--f-numbers: a stopped run is resumed one file at a time");
+      throw UsageError(
+          "--f-numbers cannot be used with --resume, which continues one file at a time");
   }
   if (!arguments.frames.empty()) options.frames = frame_range_option("--frames", arguments.frames);
   if (!arguments.time.empty()) options.time = time_option("--time", arguments.time);
@@ -235,16 +234,14 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     const char* const name = options.frames ? "--frames" : "--time";
     if (options.white)
       throw UsageError(std::string(name) +
-                       ": a white image (--white) has no flames that could change");
+                       " cannot be used with --white, whose image has no flames");
     if (options.scene.empty()) throw UsageError(std::string(name) + " needs SCENE");
     if (options.frames && !options.resume.empty() && options.output != options.resume)
-      throw UsageError("--frames: --resume names the same file as --output, without number");
+      throw UsageError("--frames: --resume must name the file of --output, without a frame number");
   }
   if (!options.compiled.empty()) check_compiled_options(arguments, options);
   if (options.white && options.estimator == Estimator::forward)
-    throw UsageError(
-        "--white: light from everywhere has no place to start bundles from; use the "
-        "backward estimator");
+    throw UsageError("--white needs the backward estimator: bundles have no place to start from");
   return options;
 }
 

@@ -63,7 +63,7 @@ std::vector<Picture> with_f_numbers(const Picture& picture) {
     stop_down(stopped.document.scene.camera.lens, number);
     for (const Picture& other : pictures)
       if (other.options.output == stopped.options.output)
-        throw UsageError(fmt::format("--f-numbers: f/{:g} is asked for twice", number));
+        throw UsageError(fmt::format("--f-numbers: f/{:g} is given twice", number));
     pictures.push_back(std::move(stopped));
   }
   return pictures;
@@ -200,17 +200,16 @@ bool frame_is_done(const Picture& picture, const RenderSettings& settings) {
   const std::string now = run_text(picture, settings);
   if (then.empty())
     throw InputError("'" + path +
-                     "' is no frame of such a run; move it away, or render without --resume");
+                     "' is not a frame of this run; move it away, or render without --resume");
   if (then != now)
-    throw InputError(fmt::format(
-        "'{}' is a frame of a run that differs from what is asked for: {}; ask for the same, or "
-        "render anew without --resume",
-        path, differences(then, now)));
-  if (field.version != version())
     throw InputError(
-        fmt::format("'{}' is of Plenoflame {}, and this is {}; render anew without "
-                    "--resume",
-                    path, field.version, version()));
+        fmt::format("'{}' is a frame of a run with other options: {}; use the same options, or "
+                    "render again without --resume",
+                    path, differences(then, now)));
+  if (field.version != version())
+    throw InputError(fmt::format(
+        "'{}' was rendered by Plenoflame {}, and this is {}; render again without --resume", path,
+        field.version, version()));
   const auto made = std::filesystem::last_write_time(path, error);
   const std::filesystem::path folder =
       std::filesystem::path(picture.document.scene.file).parent_path();

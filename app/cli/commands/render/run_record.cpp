@@ -59,8 +59,8 @@ class Differences {
   void refuse(const std::string& path) const {
     if (count_ == 0) return;
     throw InputError(fmt::format(
-        "{} belongs to a run that differs from what is asked for: {}{}; leave it away to go on as "
-        "before, or render anew without --resume",
+        "{} belongs to a run with other options: {}{}; use those of the run to continue it, or "
+        "render again without --resume",
         path, text_,
         count_ > kMostDifferences ? fmt::format("; and {} more", count_ - kMostDifferences) : ""));
   }
@@ -136,7 +136,7 @@ SceneInTime scene_of(const RenderOptions& options, const RunRecord& record,
     now.document.scene = now.timeline->at_time(now.begin);
     now.timeline = nullptr;
   } else if (then.timeline && then.begin != now.begin) {
-    found.add("the begin of the exposure", readable(then.begin, Dimension::time),
+    found.add("the beginning of the exposure", readable(then.begin, Dimension::time),
               readable(now.begin, Dimension::time));
   }
   if (record.white) now.document.scene.flames.clear();
@@ -149,7 +149,7 @@ SceneInTime scene_of(const RenderOptions& options, const RunRecord& record,
 /// The record of the run that made a complete picture, from the picture's attributes.
 RunRecord record_of(const LightField& picture, const std::string& path) {
   if (picture.scene_text.empty())
-    throw InputError(path + " holds no scene, so that nothing can be added to it");
+    throw InputError(path + " holds no scene, so it cannot be continued");
   RunRecord record;
   record.version = picture.version;
   record.scene_text = picture.scene_text;
@@ -193,10 +193,10 @@ void check_samples(const Continuation& run, const std::string& path) {
 /// Moments of an exposure that are done have their samples: none can be added any more.
 void check_same_goal(const RenderOptions& options, const RenderSettings& settings) {
   const auto refuse = [](const char* name, const std::string& then) {
-    throw UsageError(fmt::format(
-        "{}: the run is the mean of several moments, some of which are done; it goes on with {} "
-        "as it was begun, or anew without --resume",
-        name, then));
+    throw UsageError(
+        fmt::format("{} cannot change: the run averages several moments, and some are done; use {} "
+                    "as before, or render again without --resume",
+                    name, then));
   };
   if (options.samples && *options.samples != settings.samples)
     refuse("--samples", std::to_string(settings.samples));
@@ -312,9 +312,9 @@ RunRecord record_from(const std::string& text, const std::string& path) {
       throw InputError("a number that no run has");
     return record;
   } catch (const std::exception&) {
-    throw FileError(path +
-                    ": is the state of a run of another version of Plenoflame, or damaged; "
-                    "start the run again without it");
+    throw FileError(
+        path +
+        ": is damaged or from another version of Plenoflame; start the run again without it");
   }
 }
 
@@ -322,10 +322,9 @@ Continuation read_continuation(const RenderOptions& options, const SceneInTime* 
   if (!now && !options.scene.empty() &&
       choose_cameras(read_valid_scene(options.scene, options.set), options.scene, options.cameras)
               .size() > 1)
-    throw UsageError(
-        "--resume: a stopped run is resumed one file at a time; say of which camera with --camera");
+    throw UsageError("--resume continues one file at a time; choose its camera with --camera");
   if (options.scene.empty() && !options.set.empty())
-    throw UsageError("--set: --resume alone takes the scene as it was; give SCENE with it");
+    throw UsageError("--set with --resume needs SCENE");
   const std::string state = state_path(options.resume);
   Continuation run;
   Differences found;
@@ -345,15 +344,15 @@ Continuation read_continuation(const RenderOptions& options, const SceneInTime* 
   }
   if (!std::filesystem::exists(options.resume))
     throw FileError(state + ": no such file, and no '" + options.resume +
-                    "' either: there is no run to go on with");
+                    "' either: there is no run to continue");
   run.picture = read_light_field(options.resume);
   if (!run.picture->complete)
     throw FileError(state + ": no such file; '" + options.resume +
-                    "' is not complete and cannot be gone on with without it");
+                    "' is not complete and cannot be continued without it");
   if (run.picture->numbers.contains("exposure.moments"))
     throw InputError("'" + options.resume +
-                     "' is the mean of several moments, to which no samples can be added; render "
-                     "it anew with more");
+                     "' is the mean of several moments, so no samples can be added; render it "
+                     "again with more samples");
   if (run.picture->texts.contains(kMergedPicture))
     throw InputError(
         "'" + options.resume +
@@ -391,9 +390,8 @@ RenderSettings continued_settings(const RenderOptions& options, const Continuati
   const bool adds =
       options.samples && (!run.picture || *options.samples > *most * settings.replicates);
   if (options.samples && *options.samples < *most * settings.replicates)
-    throw UsageError(
-        fmt::format("--samples: there are {} already; more can be added, none taken away",
-                    *most * settings.replicates));
+    throw UsageError(fmt::format("--samples: the picture has {} already; give more",
+                                 *most * settings.replicates));
   if (adds) {
     settings.samples = *options.samples;
   } else if (options.target_error || (run.picture && options.time_limit)) {
@@ -401,7 +399,7 @@ RenderSettings continued_settings(const RenderOptions& options, const Continuati
   } else if (run.picture) {
     if (!options.truth)
       throw UsageError(
-          fmt::format("--resume: '{}' is complete; say what to add: --samples above {}, "
+          fmt::format("--resume: '{}' is complete; to extend it, add --samples above {}, "
                       "--target-error, --time-limit or --truth",
                       options.resume, *most * settings.replicates));
     // No part of the picture lacks any of these.

@@ -116,8 +116,7 @@ int run_design(const DesignArguments& settings) {
     if (given)
       throw UsageError(
           std::string(option) +
-          ": it is for a lens alone; that of a scene has its sensor, its focus and its "
-          "channels");
+          " applies only to a lens alone; the lens of a scene has its sensor, focus and channels");
   std::vector<std::string> warnings;
   const Scene whole = read_valid_scene(settings.scene, settings.set, &warnings).scene;
   const Scene scene = choose_camera({whole, {}}, settings.camera).scene;
@@ -160,7 +159,7 @@ int run_design(const DesignArguments& settings) {
 void register_design(const Registry& registry) {
   auto settings = std::make_shared<DesignArguments>();
   CLI::App& command =
-      add_command(registry, "design", "Work out what a camera can do: pupils, depth of field, blur",
+      add_command(registry, "design", "Compute what a camera can do: pupils, depth of field, blur",
                   "plenoflame design examples/paper-flame-1m.toml --plots out");
   command
       .add_option(
@@ -173,7 +172,7 @@ void register_design(const Registry& registry) {
   command
       .add_option("--plots", settings->plots,
                   "Folder for plots: effective resolution against distance, spots, microlenses; of "
-                  "a lens spots, ray fans, field curvature, distortion, vignetting")
+                  "a lens: spots, ray fans, field curvature, distortion, vignetting")
       ->check(written())
       ->option_text("DIR");
   command.add_option("--format", settings->format, "Format of the plots")
@@ -181,10 +180,9 @@ void register_design(const Registry& registry) {
       ->check(one_of({"png", "svg"}))
       ->capture_default_str();
   command
-      .add_option(
-          "--solve", settings->array.freedom,
-          "Find further microlens types whose depths of field join the first one's; free is "
-          "their index, the radius of their faces, or their thickness")
+      .add_option("--solve", settings->array.freedom,
+                  "Find more microlens types whose depths of field continue that of the first; "
+                  "their index, face radius or thickness varies")
       ->option_text("index|radius|thickness")
       ->check(one_of({"index", "radius", "thickness"}));
   command.add_option("--types", settings->array.types, "With --solve: number of types")
@@ -206,17 +204,18 @@ void register_design(const Registry& registry) {
   text_option("--greatest-thickness", settings->array.greatest_thickness, "LENGTH",
               "With --solve: greatest thickness of a microlens");
   text_option("-o,--output", settings->array.output, "FILE.toml",
-              "With --solve: the scene with the types that were found; of a lens: its "
-              "prescription (.toml)")
+              "With --solve: scene file with the types found; of a lens: its prescription (.toml)")
       ->check(written());
   text_option("--field", settings->lens.field, "ANGLE",
-              "Of a lens: greatest field angle; without it as far as light passes");
+              "Of a lens: greatest field angle; without it, the angle at which a tenth of the "
+              "light passes, at most 45 deg");
   text_option("--distance", settings->lens.distance, "LENGTH",
               "Of a lens: object distance from the first vertex (infinite)");
   text_option("--wavelength", settings->lens.wavelength, "LENGTH",
               "Of a lens: vacuum wavelength (587.6 nm)");
-  command.add_flag("--paraxial-focus", settings->lens.paraxial_focus,
-                   "Of a lens: image plane at the paraxial focus, not at the least spot");
+  command.add_flag(
+      "--paraxial-focus", settings->lens.paraxial_focus,
+      "Of a lens: put the image plane at the paraxial focus, in place of the smallest spot");
   on_chosen(command, registry, [settings] { return run_design(*settings); });
 }
 

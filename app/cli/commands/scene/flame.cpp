@@ -80,7 +80,7 @@ FlameValues values_of(const FlameArguments& s, const FlameGenerator& generator) 
     const bool has = std::any_of(parameters.begin(), parameters.end(),
                                  [&](const FlameParameter& p) { return p.name == name; });
     if (!has && option != "--set")
-      throw UsageError(option + " has no meaning for the flame " + s.name);
+      throw UsageError(option + " does not apply to the flame " + s.name);
     try {
       check_flame_value(generator, name, text);
     } catch (const InputError& error) {
@@ -186,7 +186,7 @@ void register_flame(const Registry& registry) {
                   "plenoflame flame layered --voxel-size \"0.5 mm\" --half -o layered.vdb");
   std::vector<std::string> names;
   for (const FlameGenerator& generator : flame_generators()) names.emplace_back(generator.name);
-  command.add_option("NAME", s->name, "Which flame:" + list_of_flames())->check(one_of(names));
+  command.add_option("NAME", s->name, "Kind of flame:" + list_of_flames())->check(one_of(names));
   command.add_option("-o,--output", s->output, "The .vdb file to write")
       ->check(written())
       ->option_text("FILE");
@@ -194,7 +194,8 @@ void register_flame(const Registry& registry) {
       ->option_text("LENGTH");
   command.add_flag("--half", s->half,
                    "Store values with 16 bits: half the size, relative error 2^-11");
-  command.add_option("--compression", s->compression, "How the file is packed: none, zip or blosc")
+  command
+      .add_option("--compression", s->compression, "Compression of the file: none, zip or blosc")
       ->option_text("NAME")
       ->check(one_of({"none", "zip", "blosc"}))
       ->capture_default_str();
@@ -214,12 +215,12 @@ void register_flame(const Registry& registry) {
   command
       .add_option("--line", s->lines,
                   flames_with("lines") +
-                      ": a grid of an emission line as well, with its peak: ch, c2_517, "
-                      "oh, na_d, or \"ch=200 W/m^3\" (100 W/m^3); may be given several times")
+                      ": add a grid of an emission line, with its peak: ch, c2_517, oh, na_d, or "
+                      "\"ch=200 W/m^3\" (100 W/m^3); may be given several times")
       ->option_text("LINE")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--seed", s->seed, flames_with("seed") + ": which plume (1)")
+  command.add_option("--seed", s->seed, flames_with("seed") + ": seed of the plume (1)")
       ->option_text("N");
   command
       .add_option("--set", s->parameters,

@@ -63,8 +63,7 @@ int run_import(const FlameImportArguments& settings, const std::stop_token& stop
           static_cast<int>(request.constant > 0) !=
       1)
     throw UsageError(
-        "say where the absorption comes from, by one of --absorption ARRAY, --soot ARRAY, "
-        "--constant "
+        "the absorption is missing; give one of --absorption ARRAY, --soot ARRAY, --constant "
         "VALUE");
   if (!request.output.ends_with(".vdb"))
     throw UsageError("-o: '" + request.output + "' must end in .vdb");
@@ -79,7 +78,7 @@ int run_import(const FlameImportArguments& settings, const std::stop_token& stop
     imported = import_flames(request, execution);
   } catch (const Cancelled&) {
     bar.finish();
-    say("stopped; files of a series that were written are whole, and nothing else is left");
+    say("stopped; the files of a series that were written are complete, and no others remain");
     return kFailure;
   }
   bar.finish();
@@ -155,11 +154,12 @@ StoppableAction add_flame_import(CLI::App& flame) {
       ->check(number_between(1e-6, kGreatestSootFunction))
       ->option_text("E");
   command
-      .add_option("--wavelength", settings->wavelength, "At which the absorption holds (650 nm)")
+      .add_option("--wavelength", settings->wavelength,
+                  "Wavelength at which the absorption holds (650 nm)")
       ->option_text("LENGTH");
   command
       .add_option("--constant", settings->constant,
-                  "The same absorption everywhere in the mesh, e.g. \"20 1/m\"")
+                  "Uniform absorption in the mesh, e.g. \"20 1/m\"")
       ->option_text("ABSORPTION");
   command
       .add_option("--voxel-size", settings->voxel_size,
@@ -169,7 +169,7 @@ StoppableAction add_flame_import(CLI::App& flame) {
       .add_option("--bounds", settings->bounds,
                   "Part to import: x low, x high, y low, y high, z low, z high, with units")
       ->option_text("BOX");
-  command.add_option("--length-scale", request.length_scale, "Metre per unit of the mesh (1)")
+  command.add_option("--length-scale", request.length_scale, "Metres per unit of the mesh (1)")
       ->check(number_above(0))
       ->option_text("F");
   command

@@ -120,10 +120,9 @@ int run_info(const InfoArguments& settings) {
       std::error_code no_file;  // a device, for one
       const bool empty = std::filesystem::is_empty(settings.file, no_file);
       throw InputError(
-          "'" + settings.file + "' is " + (empty && !no_file ? "empty, and so " : "") +
-          "none of the files that Plenoflame knows: scene (.toml), flame (.vdb), "
-          "light field (.exr), compiled camera (.bundle), ray paths (.vtp, .csv, .json), "
-          "picture (.png)");
+          "'" + settings.file + "' is " + (empty && !no_file ? "empty, so it is " : "") +
+          "not a file that Plenoflame reads: scene (.toml), flame (.vdb), light field (.exr), "
+          "compiled camera (.bundle), ray paths (.vtp, .csv, .json), picture (.png)");
     }
   }
   report.print(settings.json);
@@ -183,19 +182,18 @@ void describe_png(const std::string& path, Report& report) {
 
 void register_info(const Registry& registry) {
   auto settings = std::make_shared<InfoArguments>();
-  CLI::App& command = add_command(registry, "info",
-                                  "Say what a scene, flame, light field, ray or picture file holds",
-                                  "plenoflame info flame.exr --json");
+  CLI::App& command =
+      add_command(registry, "info", "Describe a scene, flame, light field, ray or picture file",
+                  "plenoflame info flame.exr --json");
   command
       .add_option("FILE", settings->file,
                   "Scene (.toml), flame (.vdb), light field (.exr), compiled camera (.bundle), ray "
                   "paths (.vtp, .csv, .json) or picture (.png)")
       ->required();
   add_set_option(command, settings->set);
-  command.add_flag(
-      "--scene", settings->scene,
-      "Print only the scene: of a scene file with its presets resolved, of a light field "
-      "the one that it was rendered from");
+  command.add_flag("--scene", settings->scene,
+                   "Print only the scene: a scene file with its presets resolved, or the scene of "
+                   "a light field");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_info(*settings); });
 }

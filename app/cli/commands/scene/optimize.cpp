@@ -42,7 +42,7 @@ MeritSpec merit_spec(const OptimizeArguments& settings) {
   const auto pair = [](const char* option, const std::string& text) {
     const auto comma = text.find(',');
     if (comma == std::string::npos)
-      throw UsageError(std::string(option) + ": two lengths with a comma between are needed");
+      throw UsageError(std::string(option) + " needs two lengths, separated by a comma");
     return std::pair{quantity_option(option, text.substr(0, comma), Dimension::length),
                      quantity_option(option, text.substr(comma + 1), Dimension::length)};
   };
@@ -54,9 +54,10 @@ MeritSpec merit_spec(const OptimizeArguments& settings) {
     spec.kind = MeritKind::depth;
     std::tie(spec.array_near, spec.array_far) = pair("--array-range", settings.array_range);
     if (spec.array_near == 0 || spec.array_far == 0)
-      throw UsageError("--array-range: at 0 is the array itself, where nothing is sharp");
+      throw UsageError("--array-range must not contain 0, the array itself");
     if (!(1 / spec.array_near > 1 / spec.array_far))
-      throw UsageError("--array-range: the near end first; a negative far end is past infinity");
+      throw UsageError(
+          "--array-range: give the near end first; a negative far end is past infinity");
     return spec;
   }
   if (settings.merit == "light") {
@@ -66,7 +67,7 @@ MeritSpec merit_spec(const OptimizeArguments& settings) {
   needed(settings.depths, "--depths", settings.merit.c_str());
   std::tie(spec.near, spec.far) = pair("--depths", settings.depths);
   if (!(spec.near > 0 && spec.far >= spec.near))
-    throw UsageError("--depths: two object distances, the near one first");
+    throw UsageError("--depths needs two object distances, the near one first");
   spec.kind = settings.merit == "volume" ? MeritKind::volume : MeritKind::resolution;
   if (spec.kind == MeritKind::volume) {
     needed(settings.height, "--height", "volume");
@@ -137,7 +138,8 @@ void add_state(const std::string& when, const nlohmann::json& state, Report& rep
 }
 
 int run_optimize(const OptimizeArguments& settings) {
-  if (settings.output.empty()) throw UsageError("--output is missing: the scene to write (.toml)");
+  if (settings.output.empty())
+    throw UsageError("--output is missing; give the scene to write (.toml)");
   OptimizerTask task;
   task.merit = merit_spec(settings);
   for (const std::string& name : settings.vary) task.vary.push_back(name);
@@ -208,19 +210,20 @@ void register_optimize(const Registry& registry) {
       .add_option("--merit", settings->merit,
                   "depth: types cover --array-range without a gap; resolution: least effective "
                   "resolution over --depths; volume: resolved pixels along a flame of --height at "
-                  "--depths; light: per pixel")
+                  "--depths; light: light per pixel")
       ->check(one_of({"depth", "resolution", "volume", "light"}))
       ->option_text("NAME")
       ->capture_default_str();
   command
       .add_option("--vary", settings->vary,
-                  "What may change: focal (lengths of the types), pitch, spacing (B), aperture, "
+                  "Parameters to vary: focal (lengths of the types), pitch, spacing (B), aperture, "
                   "focus, types (their number)")
       ->delimiter(',')
       ->check(one_of({"focal", "pitch", "spacing", "aperture", "focus", "types"}))
       ->option_text("LIST")
       ->capture_default_str();
-  command.add_option("--bound", settings->bound, "Greatest factor by which each may change")
+  command
+      .add_option("--bound", settings->bound, "Greatest factor by which each parameter may change")
       ->option_text("FACTOR")
       ->check(number_between(1.0001, 100.0))
       ->capture_default_str();
@@ -238,7 +241,7 @@ void register_optimize(const Registry& registry) {
       ->check(CLI::Range(1, 3));
   command
       .add_option("--free", settings->freedom,
-                  "What gives real microlenses their focal length: index or radius")
+                  "Quantity that sets the focal length of real microlenses: index or radius")
       ->check(one_of({"index", "radius"}))
       ->option_text("index|radius")
       ->capture_default_str();
@@ -250,12 +253,13 @@ void register_optimize(const Registry& registry) {
       ->capture_default_str();
   command
       .add_option("--overlap", settings->overlap,
-                  "Pixels by which neighbouring micro-images may overlap (0; as at the start when "
-                  "only focal lengths vary)")
+                  "Pixels by which neighbouring micro-images may overlap (0; the overlap of SCENE "
+                  "if only focal lengths vary)")
       ->option_text("PIXELS")
       ->check(number_between(0.0, 1e6));
-  command.add_flag("--paraxial", settings->paraxial, "Judge by the formulas only, not by rays");
-  command.add_option("--time-limit", settings->time_limit, "Seconds for the part with rays")
+  command.add_flag("--paraxial", settings->paraxial, "Use only the paraxial formulas, no rays");
+  command
+      .add_option("--time-limit", settings->time_limit, "Time limit of the search with rays [s]")
       ->option_text("SECONDS")
       ->check(number_between(0.1, 1e5))
       ->capture_default_str();

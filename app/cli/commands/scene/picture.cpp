@@ -68,10 +68,9 @@ void register_picture(const Registry& registry) {
   add_set_option(command, settings->set);
   add_moment_options(command, settings->moment);
   command
-      .add_option(
-          "--camera", request.cameras,
-          "Of several cameras: the one in the insets and the views of a camera (the first), "
-          "and whose rays are drawn (those of all); may be repeated")
+      .add_option("--camera", request.cameras,
+                  "With several cameras: camera of the insets and of --view camera (the first), "
+                  "cameras whose rays are drawn (all); may be repeated")
       ->option_text("NAME")
       ->allow_extra_args(false);
   command.add_option("-o,--output", request.output, "Picture to write (.png)")
@@ -116,7 +115,7 @@ void register_picture(const Registry& registry) {
                   "Colour of rays: type of the microlens, or status: how they ended (type)")
       ->check(one_of({"type", "status"}))
       ->option_text("WHAT");
-  command.add_option("--size", settings->size, "Of the picture in pixels (1200x800)")
+  command.add_option("--size", settings->size, "Size of the picture in pixels (1200x800)")
       ->option_text("WxH");
   command.add_flag("--no-flame", settings->no_flame, "Leave out the flame");
   command.add_flag("--no-surfaces", settings->no_surfaces, "Leave out the solid surfaces");

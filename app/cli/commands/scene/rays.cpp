@@ -120,8 +120,8 @@ int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
   }
   if (pixels.empty() && lenses.empty() && points.empty() && random == 0 && !settings.chief)
     throw UsageError(
-        "say which rays: --pixel X,Y, --window X,Y,W,H, --microlens Q,R, --point X,Y,Z (may be "
-        "repeated), --pixels FILE, --random N or --chief");
+        "no rays are chosen; give --pixel X,Y, --window X,Y,W,H, --microlens Q,R, --point X,Y,Z "
+        "(may be repeated), --pixels FILE, --random N or --chief");
   if (!settings.output.ends_with(".vtp") && !settings.output.ends_with(".csv") &&
       !settings.output.ends_with(".json") && !settings.output.ends_with(".npz"))
     throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv, .json or .npz");
@@ -171,7 +171,7 @@ int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
 void register_rays(const Registry& registry) {
   auto settings = std::make_shared<RaysArguments>();
   CLI::App& command = add_command(
-      registry, "rays", "Export the paths of the rays that an image is made of",
+      registry, "rays", "Export the paths of the rays of an image",
       "plenoflame rays examples/paper-flame-1m.toml --pixel 1500,1500 --rays 64 -o rays.vtp");
   command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
   add_set_option(command, settings->set);
@@ -231,7 +231,7 @@ void register_rays(const Registry& registry) {
   command
       .add_option(
           "--status", settings->statuses,
-          "Keep only rays that ended so: reached, vignetted, reflected, missed; may be repeated")
+          "Keep only rays of this status: reached, vignetted, reflected, missed; may be repeated")
       ->check(one_of({"reached", "vignetted", "reflected", "missed"}))
       ->option_text("STATUS")
       ->allow_extra_args(false);
@@ -242,7 +242,7 @@ void register_rays(const Registry& registry) {
       ->allow_extra_args(false);
   command
       .add_option("--most", settings->most,
-                  "Keep at most N rays, drawn evenly from all; sums over them are no fluxes then")
+                  "Keep at most N rays, drawn evenly from all; sums over these rays are not fluxes")
       ->option_text("N");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))

@@ -106,19 +106,18 @@ std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points
 int run_truth(const TruthArguments& settings, const std::stop_token& stop) {
   const int rays = settings.rays.empty() ? kRays : whole_number_option("--rays", settings.rays, 1);
   if (!settings.rays.empty() && settings.projections.empty())
-    throw UsageError("--rays belongs to --projections");
+    throw UsageError("--rays needs --projections");
   if (settings.points.empty() != settings.projections.empty())
     throw UsageError("--points and --projections belong together");
   if (settings.output.empty() && settings.projections.empty() && settings.attach.empty() &&
       settings.chief.empty())
     throw UsageError(
-        "truth writes nothing without --output, --projections, --attach or "
-        "--chief-rays");
+        "there is nothing to write; give --output, --projections, --attach or --chief-rays");
   LightField field = settings.attach.empty() && settings.chief.empty()
                          ? read_light_field_header(settings.input)
                          : read_light_field(settings.input);
   if (field.scene_text.empty())
-    throw InputError(settings.input + " does not say which camera took it: it holds no scene");
+    throw InputError(settings.input + " holds no scene, so its camera is not known");
   const SceneDocument document = read_scene_of(field, settings.input, settings.set);
   const Camera camera(document.scene.camera);
   Execution execution;
@@ -190,7 +189,8 @@ void register_truth(const Registry& registry) {
       ->option_text("FILE.csv");
   command
       .add_option("--attach", settings->attach,
-                  "The raw image with that table as attribute plenoflame.text.truth.micro_images")
+                  "Raw image with the table of micro-images as attribute "
+                  "plenoflame.text.truth.micro_images")
       ->check(written())
       ->option_text("FILE.exr");
   command
@@ -198,10 +198,9 @@ void register_truth(const Registry& registry) {
                   "Points of the world to project: x,y,z in metres, one per line")
       ->option_text("FILE.csv");
   command
-      .add_option(
-          "--projections", settings->projections,
-          "Where they are imaged: a line for every microlens that sees the point, by the ray "
-          "through the lens' middle and by the centroid of all light")
+      .add_option("--projections", settings->projections,
+                  "Images of --points, one line per microlens that sees a point: by the ray "
+                  "through the centre of the lens and by the centroid of the light")
       ->check(written())
       ->option_text("FILE.csv");
   command
@@ -210,8 +209,8 @@ void register_truth(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--chief-rays", settings->chief,
-                  "The raw image with the chief ray of every pixel: layers chief.x .y .z [m], "
-                  "chief.dx .dy .dz, world")
+                  "Raw image with the chief ray of every pixel: layers chief.x .y .z [m], chief.dx "
+                  ".dy .dz, world")
       ->check(written())
       ->option_text("FILE.exr");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")

@@ -115,24 +115,23 @@ int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
 
 void register_merge(const Registry& registry) {
   const auto arguments = std::make_shared<MergeArguments>();
-  CLI::App& command =
-      add_command(registry, "merge", "Put together parts, windows and seeds of a picture",
-                  "plenoflame merge flame-part-*-of-4.exr -o flame.exr");
+  CLI::App& command = add_command(registry, "merge", "Merge parts, windows or seeds of a picture",
+                                  "plenoflame merge flame-part-*-of-4.exr -o flame.exr");
   command
       .add_option("FILES", arguments->files,
-                  "Light fields (.exr) of one scene: all parts of 'render --part', windows side by "
-                  "side, pictures of different seeds, or these together; or the folders of all "
-                  "parts of a 'sweep'; or all parts of 'operator --part' (.npz, .h5)")
+                  "Light fields (.exr) of one scene: all parts of 'render --part', adjacent "
+                  "windows, pictures with different seeds, or a mixture. Or the folders of all "
+                  "parts of a 'sweep', or all parts of 'operator --part' (.npz, .h5)")
       ->required();
   command
       .add_option("-o,--output", arguments->output,
-                  "The whole (.exr; of a sweep a folder; of a matrix .npz, .h5 or .mtx)")
+                  "Merged light field (.exr), folder of a sweep, or matrix (.npz, .h5 or .mtx)")
       ->check(written())
       ->required()
       ->option_text("FILE");
   command
       .add_option("--compression", arguments->compression,
-                  "How the light field is packed, as render has it (rle)")
+                  "Compression of the light field, see render (rle)")
       ->check(one_of({"none", "rle", "zip", "piz"}))
       ->option_text("NAME");
   command.add_flag("--json", arguments->json, "Print the figures as JSON");

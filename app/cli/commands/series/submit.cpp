@@ -83,9 +83,9 @@ void read_options(CLI::App& command, const std::vector<std::string>& words,
   }
   for (const char* name : own)
     if (command.count(name) > 0)
-      throw UsageError(fmt::format("--options: the script itself says {}", name));
+      throw UsageError(fmt::format("--options: leave out {}, which the script sets", name));
   if (!scene.empty())
-    throw UsageError("--options: '" + scene + "' is no option; scenes stand before it");
+    throw UsageError("--options: '" + scene + "' is not an option; give scenes before --options");
 }
 
 RenderArguments checked_render_options(const std::vector<std::string>& words) {
@@ -101,8 +101,7 @@ RenderArguments checked_render_options(const std::vector<std::string>& words) {
 /// Checks the sweep whole, run by run. @throws UsageError, InputError, FileError
 void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& words, int parts) {
   if (submit.scenes.size() > 1)
-    throw UsageError("--sweep: a set is of one scene, not of " +
-                     std::to_string(submit.scenes.size()));
+    throw UsageError("--sweep takes one scene, not " + std::to_string(submit.scenes.size()));
   SweepArguments arguments;
   CLI::App sweep;
   add_sweep_options(sweep, arguments);
@@ -120,8 +119,7 @@ void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& 
 /// FileError
 void check_matrix(const SubmitArguments& submit, const std::vector<std::string>& words) {
   if (submit.scenes.size() > 1)
-    throw UsageError("--operator: a matrix is of one scene, not of " +
-                     std::to_string(submit.scenes.size()));
+    throw UsageError("--operator takes one scene, not " + std::to_string(submit.scenes.size()));
   if (!submit.matrix.ends_with(".npz") && !submit.matrix.ends_with(".h5"))
     throw UsageError("--operator: '" + submit.matrix +
                      "' must end in .npz or .h5, which merge reads");
@@ -303,7 +301,7 @@ std::string picture_script(const SubmitArguments& arguments, const std::string& 
 }
 
 int run_submit(const SubmitArguments& arguments) {
-  if (!arguments.slurm) throw UsageError("say for which batch system: --slurm");
+  if (!arguments.slurm) throw UsageError("the batch system is missing; give --slurm");
   for (const auto& [option, text] :
        {std::pair{"--memory", arguments.memory}, std::pair{"--partition", arguments.partition}})
     if (text.find_first_of(" \t\n") != std::string::npos)
@@ -311,7 +309,7 @@ int run_submit(const SubmitArguments& arguments) {
   // sbatch takes a plain number for megabytes.
   if (!arguments.memory.empty() &&
       std::string_view("KMGT").find(arguments.memory.back()) == std::string_view::npos)
-    throw UsageError("--memory: say the unit, K, M, G or T, e.g. 4G, not '" + arguments.memory +
+    throw UsageError("--memory needs a unit, K, M, G or T, e.g. 4G, not '" + arguments.memory +
                      "'");
   const std::vector<std::string> options = words_of(arguments.options);
   const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
@@ -346,28 +344,29 @@ void register_submit(const Registry& registry) {
   const auto arguments = std::make_shared<SubmitArguments>();
   CLI::App& command = add_command(
       registry, "submit",
-      "Write a batch system's script that makes pictures, a sweep or a matrix in parts",
+      "Write a batch script that computes pictures, a sweep or a matrix in parts",
       "plenoflame submit --slurm examples/paper-flame-1m.toml --parts 8 -o flame.sbatch");
-  command.add_option("SCENE", arguments->scenes, "Scene files (.toml), each for a picture")
+  command.add_option("SCENE", arguments->scenes, "Scene files (.toml), one per picture")
       ->required();
-  command.add_flag("--slurm", arguments->slurm,
-                   "A Slurm job array: a task for each part of each picture, from 1");
+  command.add_flag(
+      "--slurm", arguments->slurm,
+      "Write a Slurm job array with one task per part of each picture, numbered from 1");
   command
       .add_option("-o,--output", arguments->output,
-                  "The script; how to submit it is printed. Pictures are written to the folder in "
-                  "which it is submitted, named after their scenes")
+                  "Script to write; the command prints how to submit it. Pictures are named after "
+                  "their scenes, in the folder of the submission")
       ->check(written())
       ->required()
       ->option_text("FILE");
   command
       .add_option("--sweep", arguments->sweep,
-                  "A sweep of the scene into this folder, in place of pictures; which runs, the "
-                  "--options say")
+                  "Run a sweep of the scene into this folder, in place of pictures; --options "
+                  "chooses its runs")
       ->option_text("DIR");
   command
       .add_option("--operator", arguments->matrix,
-                  "The matrix of the scene into this file (.npz, .h5), in place of pictures; which "
-                  "unknowns, the --options say")
+                  "Write the matrix of the scene to this file (.npz, .h5), in place of pictures; "
+                  "--options chooses its unknowns")
       ->excludes("--sweep")
       ->option_text("FILE");
   command
@@ -377,10 +376,12 @@ void register_submit(const Registry& registry) {
   command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
   command
       .add_option("--time", arguments->time,
-                  "Time limit of a task, with unit, e.g. 2h, or as D-HH:MM:SS; none: the batch "
-                  "system's own")
+                  "Time limit of a task, with unit, e.g. 2h, or as D-HH:MM:SS; without it, the "
+                  "default of the batch system")
       ->option_text("TIME");
-  command.add_option("--memory", arguments->memory, "Memory of a task as sbatch has it, e.g. 4G")
+  command
+      .add_option("--memory", arguments->memory,
+                  "Memory of a task in the notation of sbatch, e.g. 4G")
       ->option_text("SIZE");
   command.add_option("--partition", arguments->partition, "Partition of the cluster")
       ->option_text("NAME");

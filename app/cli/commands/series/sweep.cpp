@@ -31,12 +31,12 @@ void open_set(const SweepPlan& plan) {
     const std::string other = plan_difference(read_plan(plan.folder), plan.text);
     if (!other.empty())
       throw InputError(
-          fmt::format("'{}' holds a sweep that differs in {}; ask for the same to go "
-                      "on with it, or choose another folder",
+          fmt::format("'{}' holds a sweep that differs in {}; use the same options to continue it, "
+                      "or choose another folder",
                       plan.folder, other));
   } else if (fs::exists(plan.folder, error) && !fs::is_empty(plan.folder, error)) {
     throw InputError("'" + plan.folder +
-                     "' has files in it that are no sweep; choose another folder");
+                     "' is not empty and holds no sweep; choose another folder");
   }
   for (const std::string& folder : {plan.folder, plan.folder + "/runs"}) {
     fs::create_directory(folder, error);
@@ -75,7 +75,7 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
   const auto fail_with_rest = [&](const FileError& failure) {
     const auto there = std::count_if(
         mine.begin(), mine.end(), [&](int run) { return packed || run_is_done(plan.folder, run); });
-    throw FileError(fmt::format("{} ({} of {} runs are in {}; the same command goes on)",
+    throw FileError(fmt::format("{} ({} of {} runs are in {}; the same command continues)",
                                 failure.what(), there, mine.size(), plan.folder));
   };
   try {
@@ -94,7 +94,7 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
   }
   bar.finish();
   if (stop.stop_requested() && done < left.size()) {
-    say(fmt::format("stopped; {} of {} runs are in {}; the same command goes on",
+    say(fmt::format("stopped; {} of {} runs are in {}; the same command continues",
                     mine.size() - left.size() + done, mine.size(), plan.folder));
     return kFailure;
   }
@@ -125,7 +125,7 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
 void register_sweep(const Registry& registry) {
   const auto arguments = std::make_shared<SweepArguments>();
   CLI::App& command = add_command(
-      registry, "sweep", "Render many runs of a scene, each with values of its own: a data set",
+      registry, "sweep", "Render a data set: many runs of a scene with different values",
       "plenoflame sweep examples/lenslets-30.toml --table runs.csv -o set");
   add_sweep_options(command, *arguments);
   on_chosen(command, registry, [arguments, ranks = registry.ranks](const std::stop_token& stop) {

@@ -13,18 +13,18 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
   RenderOptions& options = render.options;
   command.add_option("SCENE", options.scene, "Scene file (.toml)")->required();
   command
-      .add_option("--table", arguments.table,
-                  "Table of the runs (.csv): a header of keys of the scene, as --set has them, a "
-                  "run in each row")
+      .add_option(
+          "--table", arguments.table,
+          "Table of the runs (.csv): keys of the scene as in --set in the header, one run per row")
       ->option_text("FILE");
   command
       .add_option("--random", arguments.random,
-                  "Rules by which values are drawn at random (.toml): [[random]] tables")
+                  "Rules for random values (.toml), as [[random]] tables")
       ->option_text("FILE");
-  command.add_option("--runs", arguments.runs, "How many runs are drawn")->option_text("N");
+  command.add_option("--runs", arguments.runs, "Number of runs to draw")->option_text("N");
   command
       .add_option("-o,--output", arguments.output,
-                  "Folder of the set; one that was begun is gone on with")
+                  "Folder of the data set; an unfinished set is continued")
       ->check(written())
       ->required()
       ->option_text("DIR");
@@ -37,8 +37,8 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("NAME");
   command
       .add_option("--lattice", arguments.lattice,
-                  "Keep the truth, temperature, absorption and emission lines, on a lattice of so "
-                  "many cells along x, y and z")
+                  "Save the true temperature, absorption and emission lines on a lattice of NX x "
+                  "NY x NZ cells")
       ->option_text("NX,NY,NZ");
   command
       .add_option("--region", arguments.region,
@@ -51,11 +51,11 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("SHARE");
   command
       .add_option("--seed", arguments.seed,
-                  "Seed of the sweep: what a run is depends on it and the run's number alone (1)")
+                  "Seed of the sweep; a run depends only on this seed and its number (1)")
       ->option_text("N");
   add_part_option(command, arguments.part,
-                  "Make only part K of N, in DIR-part-K-of-N: 'plenoflame merge' makes the set of "
-                  "all, bit by bit");
+                  "Make only part K of N, in DIR-part-K-of-N; 'plenoflame merge' joins them to "
+                  "exactly the whole set");
   command.add_option("--samples", render.samples, "Rays per pixel and microlens")->option_text("N");
   command
       .add_option("--target-error", render.target_error,
@@ -65,9 +65,10 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("X,Y,W,H");
   command
       .add_option("--compiled", options.compiled,
-                  "Render by the rays of a camera that `plenoflame compile` has found")
+                  "Use the rays that `plenoflame compile` found for the camera")
       ->option_text("FILE.bundle");
-  command.add_flag("--truth", options.truth, "Layers of ground truth of each pixel, as of render");
+  command.add_flag("--truth", options.truth,
+                   "Add layers of ground truth for each pixel, see render");
   command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 4096))
       ->option_text("N");

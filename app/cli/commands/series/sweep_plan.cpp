@@ -68,7 +68,7 @@ std::array<int, 3> lattice_option(const std::string& text) {
   for (std::string word; std::getline(stream, word, ',');) words.push_back(word);
   if (words.size() == 1) words.assign(3, words.front());
   if (words.size() != 3)
-    throw UsageError("--lattice: cells along x, y and z are wanted, 'NX,NY,NZ' or N, not '" + text +
+    throw UsageError("--lattice must be the cells along x, y and z, 'NX,NY,NZ' or N, not '" + text +
                      "'");
   for (std::size_t i = 0; i < 3; ++i)
     count[i] = whole_number_option("--lattice", words[i], 1, 1024);
@@ -84,10 +84,10 @@ Box box_of_flames(const RenderOptions& options) {
     const CompiledScene compiled = compile(picture.moments().front().scene, medium_loader());
     if (compiled.medium && !compiled.medium->bounds().empty()) return compiled.medium->bounds();
   } catch (const FileError& error) {
-    throw FileError(std::string(error.what()) +
-                    "; say with --region where the lattice of --lattice is to lie");
+    throw FileError(std::string(error.what()) + "; give the box of --lattice with --region");
   }
-  throw UsageError("--lattice: the scene has no flame whose box it could fill; give --region");
+  throw UsageError(
+      "--lattice: the scene has no flame that gives the box of the lattice; give --region");
 }
 
 TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& options,
@@ -110,14 +110,16 @@ TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& op
 
 std::vector<SweepRun> runs_of(const SweepArguments& arguments, std::uint64_t seed) {
   if (arguments.table.empty() == arguments.random.empty())
-    throw UsageError("say what the runs are: --table RUNS.csv or --random RULES.toml");
+    throw UsageError("the runs are missing; give --table RUNS.csv or --random RULES.toml");
   if (!arguments.table.empty()) {
-    if (!arguments.runs.empty()) throw UsageError("--runs: a table has a run in each of its rows");
+    if (!arguments.runs.empty())
+      throw UsageError("--runs cannot be used with --table, which has one run per row");
     return read_sweep_table(read_text_file(arguments.table), arguments.table);
   }
   const SweepRules rules(read_text_file(arguments.random), arguments.random);
   if (arguments.runs.empty() && !rules.runs())
-    throw UsageError("say how many runs are drawn: --runs N, or runs = N in " + arguments.random);
+    throw UsageError("the number of runs is missing; give --runs N, or runs = N in " +
+                     arguments.random);
   const int count = arguments.runs.empty()
                         ? *rules.runs()
                         : whole_number_option("--runs", arguments.runs, 1, kMostRuns);
@@ -167,8 +169,8 @@ void check_run(const SweepPlan& plan, int run) {
   for (const auto& [number, flame] : settings.flames) {
     const std::string key = fmt::format("flames[{}]{}", number, kGenerator);
     if (flame.generator.empty())
-      throw InputError(
-          fmt::format("{}: say which generator makes the flame, {} = \"candle\"", key, key));
+      throw InputError(fmt::format(
+          "{} is missing; name the generator of the flame, such as {} = \"candle\"", key, key));
     const FlameGenerator& generator = flame_generator(flame.generator);
     for (const auto& [name, value] : flame.values) {
       try {
@@ -212,8 +214,8 @@ void check_runs(const SweepPlan& plan, const Execution& execution) {
       check_run(plan, run);
       if (plan.packs() && run > 0 && shape_of(plan, run) != shape_of(plan, 0))
         throw InputError(
-            "its pictures have another size or other channels than those of run 0, and one HDF5 "
-            "file has no place for both; use --format exr");
+            "its pictures differ from those of run 0 in size or channels, and one HDF5 file cannot "
+            "hold both; use --format exr");
     } catch (const FileError&) {
       throw;
     } catch (const Error& error) {
@@ -316,7 +318,7 @@ SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution
   if (!arguments.test_share.empty())
     share = quantity_option("--test-share", arguments.test_share, Dimension::none);
   if (!(share >= 0 && share < 1))
-    throw UsageError("--test-share: a share from 0 % to below 100 %, e.g. 20%, not '" +
+    throw UsageError("--test-share must be a share from 0 % to below 100 %, e.g. 20%, not '" +
                      arguments.test_share + "'");
   plan.test = choose_test_runs(plan.seed, count, share);
   const SceneDocument document = read_scene(plan.options.scene, plan.options.set);
@@ -324,7 +326,7 @@ SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution
   if (!arguments.lattice.empty())
     plan.lattice = lattice_of(arguments, plan.options, document.scene);
   else if (!arguments.region.empty())
-    throw UsageError("--region: it is the box of --lattice");
+    throw UsageError("--region needs --lattice");
   plan.text = plan_text(plan, document);
   return plan;
 }

@@ -252,7 +252,7 @@ void serve_sweep(const RankMessage& begin, Communicator& ranks, int threads,
       const SweepPlan plan = plan_sweep(arguments, execution.threads_only(), RunsAre::checked);
       if (const std::string other = plan_difference(json.at("plan"), plan.text); !other.empty())
         throw InputError("a rank finds another " + other +
-                         " than rank 0: all need the same files under the same names");
+                         " than rank 0; give all ranks the same files under the same names");
       const int workers = workers_of(execution, json.at("runs_each").get<std::size_t>());
       ranks.send(0, kReady + std::to_string(workers));
       make_runs(
@@ -264,8 +264,9 @@ void serve_sweep(const RankMessage& begin, Communicator& ranks, int threads,
       ranks.send(0, rank_message::kFailed + std::string(error.what()));
     }
     if (stop.stop_requested())
-      ranks.send(0, rank_message::kFailed +
-                        fmt::format("rank {} was stopped; the same command goes on", ranks.rank()));
+      ranks.send(0,
+                 rank_message::kFailed +
+                     fmt::format("rank {} was stopped; the same command continues", ranks.rank()));
   });
   for (;;) {
     const RankMessage message = wait_for_message(ranks);

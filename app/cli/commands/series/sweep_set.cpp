@@ -35,7 +35,7 @@ Json read_json(const std::string& path, const std::function<void(const Json&)>& 
   } catch (const InputError&) {
   } catch (const UsageError&) {
   }
-  throw FileError("'" + path + "' is damaged, or not of a sweep");
+  throw FileError("'" + path + "' is damaged or does not belong to a sweep");
 }
 
 /// @throws Json::exception, InputError for what is missing or of another kind
@@ -252,7 +252,7 @@ std::string beyond_lattice_warning(const std::vector<int>& runs) {
                        : fmt::format("the flames of {} runs, the first of them run {}, reach",
                                      runs.size(), runs.front());
   return which +
-         " beyond the lattice, and the truth lacks what is outside; a larger --region holds all";
+         " beyond the lattice, so the truth lacks the parts outside; give a larger --region";
 }
 
 Json read_plan(const std::string& folder) {
@@ -286,7 +286,7 @@ std::vector<int> merge_sets(const std::vector<std::string>& parts, const std::st
     }
     if (const std::string other = plan_difference(whole, plan);
         !other.empty() || part.count != count)
-      throw InputError(fmt::format("'{}' is no part of the sweep of '{}': they differ in {}",
+      throw InputError(fmt::format("'{}' and '{}' belong to different sweeps: they differ in {}",
                                    folder, parts.front(), other.empty() ? "parts" : other));
     const auto [had, added] = folders.emplace(part.number, folder);
     if (!added)
@@ -301,7 +301,7 @@ std::vector<int> merge_sets(const std::vector<std::string>& parts, const std::st
     runs.push_back(run);
     const std::string& folder = folders.at(run % count + 1);
     if (!run_is_done(folder, run))
-      throw InputError(fmt::format("'{}' is not finished: run {} is not there", folder, run));
+      throw InputError(fmt::format("'{}' is not finished: run {} is missing", folder, run));
     read_record(folder, run, whole);  // a damaged one is named where it is
   }
   std::vector<int> beyond;

@@ -51,8 +51,8 @@ FileSeries::FileSeries(std::string pattern, const std::string& folder, int first
   if (begin == std::string::npos || (slash != std::string::npos && begin < slash) ||
       (end != std::string::npos && pattern_.find('#', end) != std::string::npos))
     throw InputError(quote_for_message(pattern_) +
-                     " is no series of files: write # for each digit of their numbers, once, in "
-                     "the name of the file, such as \"run_####.vdb\"");
+                     " is not a series of files; write # for each digit of their numbers in the "
+                     "name of the file, such as \"run_####.vdb\"");
   before_ = pattern_.substr(0, begin);
   after_ = end == std::string::npos ? "" : pattern_.substr(end);
   digits_ = (end == std::string::npos ? pattern_.size() : end) - begin;

@@ -20,7 +20,7 @@ LensFile read_toml_lens(const std::string& text, const std::string& path) {
   file.lens = document.scene.camera.lens;
   if (file.lens.surfaces.empty() && file.lens.focal_length == 0)
     throw InputError(SourcePosition{path},
-                     "there is no lens in it: a table [camera.lens] with surfaces is needed");
+                     "the file has no lens; it needs a table [camera.lens] with surfaces");
   for (std::size_t i = 0; i < file.lens.surfaces.size(); ++i)
     if (const auto fault = surface_fault(file.lens.surfaces[i]))
       throw InputError(

@@ -49,8 +49,9 @@ LensFile import_four_columns(std::string_view text, const std::string& name) {
     if (columns.empty()) continue;
     const SourcePosition here{name, number};
     if (columns.size() != 4)
-      throw InputError(here, "this line has " + std::to_string(columns.size()) +
-                                 " columns, but radius, thickness, index and diameter are four");
+      throw InputError(here,
+                       "this line has " + std::to_string(columns.size()) +
+                           " columns, but four are needed: radius, thickness, index and diameter");
     double values[4];
     for (std::size_t i = 0; i < 4; ++i) {
       try {
@@ -68,22 +69,24 @@ LensFile import_four_columns(std::string_view text, const std::string& name) {
     // Air is 1, or 0 by an old custom; behind the stop it is what it was before it.
     surface.index = values[2] == 0 ? 1 : values[2];
     if (!(surface.index >= 1 && surface.index <= 5))
-      throw InputError(here, "the index is " + columns[2] + ", but 1 to 5 is possible");
+      throw InputError(here, "the index is " + columns[2] + "; it must be 1 to 5");
     if (!(surface.diameter > 0)) throw InputError(here, "the clear diameter is not positive");
     if (!(surface.thickness >= 0)) throw InputError(here, "the thickness is negative");
     if (surface.diameter > 2 * greatest_height(surface))
-      throw InputError(here, "a sphere of this radius has no such diameter");
+      throw InputError(here, "a sphere of this radius cannot have this diameter");
     file.lens.surfaces.push_back(surface);
   }
   if (file.lens.surfaces.empty())
-    throw InputError(SourcePosition{name}, "there is no surface in it");
+    throw InputError(SourcePosition{name}, "the file has no surfaces");
   const auto is_stop = [](const SurfaceSpec& surface) { return surface.stop; };
   if (std::none_of(file.lens.surfaces.begin(), file.lens.surfaces.end(), is_stop))
-    throw InputError(SourcePosition{name}, "there is no aperture stop in it: a line of radius 0");
+    throw InputError(SourcePosition{name},
+                     "the file has no aperture stop; a line of radius 0 is one");
   SurfaceSpec& last = file.lens.surfaces.back();
   if (last.index != 1)
-    throw InputError(SourcePosition{name}, "behind its last surface there is an index of " +
-                                               std::to_string(last.index) + ", not air");
+    throw InputError(SourcePosition{name}, "the index behind the last surface is " +
+                                               std::to_string(last.index) +
+                                               ", but it must be that of air, 1");
   file.image_distance = last.thickness;
   last.thickness = 0;
   return file;

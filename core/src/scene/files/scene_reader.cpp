@@ -125,8 +125,8 @@ class Reader {
         read_list(*list, *node, here, indices);
       } else if (plain && is_table(below)) {
         if (!node->is_table())
-          fail(*node, here + " is " + type_name(*node) + ", but it is a table of keys: write [" +
-                          below + "]");
+          fail(*node, here + " is " + type_name(*node) +
+                          ", but it must be a table of keys: write [" + below + "]");
         positions_.set(here, position(*node));
         read_table(*node->as_table(), below, here, indices);
       } else {
@@ -206,7 +206,7 @@ class Reader {
     const auto name = node->value<std::string>();
     if (!node->is_string() || !name)
       fail(*node, path + ".preset is " + type_name(*node) + ", but it must be text");
-    if (depth_ >= kDeepestPreset) fail(*node, "presets start from each other in a circle");
+    if (depth_ >= kDeepestPreset) fail(*node, "presets start from each other in a loop");
     const std::string what = as_of_one_camera(table);
     const PresetKind kind = what == "camera"        ? PresetKind::camera
                             : what == "camera.lens" ? PresetKind::lens
@@ -267,10 +267,10 @@ class Reader {
       fail(*node, path + ".file is " + type_name(*node) + ", but it must be the name of a file");
     if (toml.contains("preset")) fail(*node, path + " has both a preset and a file; leave one out");
     if (reading_.closed)
-      fail(*node, path +
-                      ".file: a scene that stands inside of another file opens no file itself; "
-                      "name it with --set " +
-                      path + ".file=" + *name + " if it is to be read");
+      fail(*node,
+           path +
+               ".file: a scene inside of another file opens no files; give the file with --set " +
+               path + ".file=" + *name + "");
     const auto slash = scene_.file.rfind('/');
     const std::string folder = name->starts_with('/') || slash == std::string::npos
                                    ? ""
@@ -300,7 +300,7 @@ class Reader {
     const toml::array* items = node.as_array();
     const std::string name(path.substr(path.rfind('.') + 1));
     if (!items)
-      fail(node, path + " is " + type_name(node) + ", but it is a list of tables: write [[" +
+      fail(node, path + " is " + type_name(node) + ", but it must be a list of tables: write [[" +
                      strip(path) + "]]");
     if (items->size() < list.fewest || items->size() > list.most)
       fail(node, path + " has " + std::to_string(items->size()) + " items, but " +

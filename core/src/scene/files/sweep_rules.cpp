@@ -47,11 +47,11 @@ struct SweepRules::Reader {
   /// A number, alone or as text with its unit.
   std::pair<double, std::string> number(const toml::node& node) const {
     if (const auto plain = node.value<double>(); plain && !node.is_boolean()) {
-      if (!std::isfinite(*plain)) fail(node, "a finite number is wanted");
+      if (!std::isfinite(*plain)) fail(node, "the number must be finite");
       return {*plain, ""};
     }
     const auto text = node.value<std::string>();
-    if (!text) fail(node, "a number is wanted here, or text with its unit such as \"2 mm\"");
+    if (!text) fail(node, "this must be a number, or text with a unit such as \"2 mm\"");
     double value = 0;
     const char* const end = text->data() + text->size();
     const auto [stop, error] = std::from_chars(text->data(), end, value);
@@ -84,7 +84,7 @@ struct SweepRules::Reader {
     const toml::array& both = pair(node, what);
     const auto first = numbers(both[0]), second = numbers(both[1]);
     if (first.size() != second.size() || first.empty())
-      fail(node, fmt::format("{} has {} and {} numbers, and they must be as many", what,
+      fail(node, fmt::format("{} has {} and {} numbers, but both counts must be equal", what,
                              first.size(), second.size()));
     std::vector<Axis> all;
     for (std::size_t i = 0; i < first.size(); ++i) {
@@ -136,7 +136,7 @@ struct SweepRules::Reader {
   void read_limits(const toml::table& table, Rule& rule) const {
     const toml::node* const node = table.get("limits");
     if (!node) return;
-    if (rule.law != Law::normal) fail(*node, "limits belong to normal alone");
+    if (rule.law != Law::normal) fail(*node, "limits apply only to the rule normal");
     const std::vector<Axis> limits = axes(*node, "limits");
     if (limits.size() != rule.axes.size())
       fail(*node, "limits must have as many numbers as the mean");
@@ -149,7 +149,7 @@ struct SweepRules::Reader {
       // Within four deviations a number is found soon.
       if (!(axis.least <= axis.greatest) || axis.greatest < axis.first - 4 * axis.second ||
           axis.least > axis.first + 4 * axis.second)
-        fail(*node, "the limits leave no place for numbers about the mean");
+        fail(*node, "the limits exclude all values within four deviations of the mean");
     }
   }
 
@@ -159,7 +159,7 @@ struct SweepRules::Reader {
     if (const auto* const whole = node.as_integer()) return fmt::format("{}", whole->get());
     if (const auto* const real = node.as_floating_point()) return fmt::format("{}", real->get());
     const toml::array* const several = node.as_array();
-    if (!several) fail(node, "a value is wanted here: text, a number, true or false, or an array");
+    if (!several) fail(node, "this must be a value: text, a number, true or false, or an array");
     std::string text;
     for (const toml::node& each : *several) text += (text.empty() ? "" : ", ") + text_of(each);
     return text;
@@ -170,7 +170,7 @@ struct SweepRules::Reader {
     const toml::node* const key = table.get("key");
     if (!key || !key->is_string() || key->as_string()->get().empty())
       fail(key ? *key : static_cast<const toml::node&>(table),
-           "a [[random]] needs the key of the scene that it is about: key = \"...\"");
+           "a [[random]] table needs the key of the scene that it sets: key = \"...\"");
     rule.key = key->as_string()->get();
     rule.position = position_of(*key, name);
     const char* law = nullptr;
@@ -183,8 +183,8 @@ struct SweepRules::Reader {
                                "integer, choice and value",
                                quote_for_message(word)));
       if (law)
-        fail(node, fmt::format("{} has {} and {}; leave one of them", quote_for_message(rule.key),
-                               law, word));
+        fail(node, fmt::format("{} has {} and {}; leave one of them out",
+                               quote_for_message(rule.key), law, word));
       law = *known;
     }
     if (!law)
@@ -208,16 +208,16 @@ SweepRules::SweepRules(std::string_view text, const std::string& name) {
       runs_ = static_cast<int>(*count);
     } else if (key != "random") {
       reader.fail(node, quote_for_message(std::string(key.str())) +
-                            " has no place here; there are runs and [[random]]");
+                            " is not known here; the keys are runs and [[random]]");
     }
   }
   const toml::node* const list = parsed.get("random");
   const toml::array* const rules = list ? list->as_array() : nullptr;
   if (!rules || rules->empty())
     throw InputError(list ? position_of(*list, name) : SourcePosition{name},
-                     "there is no [[random]] in it, which says how a key is drawn");
+                     "the file has no [[random]] table, which gives the rule of a key");
   for (const toml::node& node : *rules) {
-    if (!node.is_table()) reader.fail(node, "[[random]] is a table for each key");
+    if (!node.is_table()) reader.fail(node, "[[random]] must be a table for each key");
     rules_.push_back(reader.rule(*node.as_table()));
     for (std::size_t i = 0; i + 1 < rules_.size(); ++i)
       if (rules_[i].key == rules_.back().key)

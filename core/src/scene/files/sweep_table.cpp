@@ -42,7 +42,7 @@ std::vector<TableCell> split_line(std::string_view line, char separator, SourceP
       at = std::min(line.find(separator, begin), line.size());
       if (!without_blanks(line.substr(begin + 1, at - begin - 1)).empty()) {
         here.column = static_cast<int>(begin) + 2;
-        throw InputError(here, "after the closing quote a separator is wanted");
+        throw InputError(here, "a separator must follow the closing quote");
       }
     } else {
       at = std::min(line.find(separator, begin), line.size());
@@ -106,7 +106,7 @@ std::vector<SweepRun> read_sweep_table(std::string_view text, const std::string&
       for (const TableCell& cell : cells) {
         const SourcePosition here{name, number, cell.column};
         if (cell.text.empty())
-          throw InputError(here, "a column has no key of the scene as its header");
+          throw InputError(here, "the header of a column is not a key of the scene");
         columns.push_back(column_of(cell));
         for (std::size_t i = 0; i + 1 < columns.size(); ++i)
           if (columns[i].key == columns.back().key)
@@ -133,9 +133,10 @@ std::vector<SweepRun> read_sweep_table(std::string_view text, const std::string&
     runs.push_back(std::move(run));
   }
   if (columns.empty())
-    throw InputError(SourcePosition{name}, "there is no header with keys of the scene in it");
+    throw InputError(SourcePosition{name}, "the table has no header with keys of the scene");
   if (runs.empty())
-    throw InputError(SourcePosition{name}, "there is no row below the header: each is a run");
+    throw InputError(SourcePosition{name},
+                     "the table has no rows below the header; each row is a run");
   return runs;
 }
 

@@ -120,9 +120,9 @@ std::vector<Column> read_header(const std::vector<Cell>& cells, SourcePosition h
   if (columns.front().name != "time")
     throw InputError(here, "the first column must be the time, such as \"time [ms]\"");
   if (columns.size() < 2)
-    throw InputError(here,
-                     "there is nothing beside the time; any of x [mm], y [mm], z [mm], scale "
-                     "and brightness may follow it");
+    throw InputError(
+        here,
+        "the time is the only column; add any of x [mm], y [mm], z [mm], scale and brightness");
   return columns;
 }
 
@@ -132,7 +132,7 @@ double read_number(const Cell& cell, const Column& column, const SourcePosition&
   const auto [stop, error] = std::from_chars(cell.text.data(), end, plain);
   if (error != std::errc() || stop != end || !std::isfinite(plain))
     throw InputError(here,
-                     fmt::format("{} is {}, and must be a finite number", column.name,
+                     fmt::format("{} is {}; it must be a finite number", column.name,
                                  cell.text.empty() ? std::string("missing")
                                                    : quote_for_message(std::string(cell.text))));
   // By the decimal text, so that 0.1 ms is the same number as in a scene file.
@@ -178,7 +178,7 @@ TimeTable::TimeTable(const std::string& path) {
       row.push_back(read_number(cells[i], columns[i], {path, number, cells[i].column}));
     if (!times_.empty() && !(row.front() > times_.back()))
       throw InputError(SourcePosition{path, number, cells.front().column},
-                       fmt::format("the times must ascend, and {} follows {}",
+                       fmt::format("the times must increase, but {} follows {}",
                                    readable_quantity(row.front(), Dimension::time),
                                    readable_quantity(times_.back(), Dimension::time)));
     times_.push_back(row.front());

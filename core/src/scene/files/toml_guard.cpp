@@ -88,7 +88,7 @@ void check_key_depth(std::string_view text, const std::string& name) {
     } else if (c == '.') {
       if (++parts > kMostParts)
         throw InputError({name, line, 0},
-                         "a key has more than 32 parts; a scene file has none like that");
+                         "a key has more than 32 parts, which no key of a scene has");
     } else if (c == '\n' || c == '=' || c == ',' || c == '[' || c == '{') {
       parts = 1;
     }

@@ -149,7 +149,7 @@ class Importer {
     }
     if (blocks_.size() < 3)
       throw InputError(SourcePosition{name_},
-                       "there is no lens in it: no SURF blocks between object and image");
+                       "the file has no lens: there are no SURF blocks between object and image");
     for (std::size_t i = 1; i + 1 < blocks_.size(); ++i) add(blocks_[i], i + 2 == blocks_.size());
     return file_;
   }
@@ -182,7 +182,7 @@ class Importer {
     if (words[0] == "MODE" && words.size() > 1 && words[1] != "SEQ")
       fail(line.number, "MODE " + words[1] + ": only sequential lenses can be read");
     if (words[0] == "MNUM" && words.size() > 1 && number(line, 1) > 1)
-      fail(line.number, "MNUM: several configurations are not supported; save one of them alone");
+      fail(line.number, "MNUM: several configurations are not supported; save only one of them");
     if (words[0] == "NAME")
       for (std::size_t i = 1; i < words.size(); ++i)
         file_.title.append(file_.title.empty() ? "" : " ").append(words[i]);
@@ -241,7 +241,7 @@ class Importer {
       fail(line.number, key + ": tilted and decentred surfaces are not supported");
     } else if (!is_harmless(key)) {
       file_.notes.push_back(name_ + ":" + std::to_string(line.number) + ": " +
-                            quote_for_message(key) + " is not known and was left out");
+                            quote_for_message(key) + " is not known and is ignored");
     }
   }
 
@@ -291,7 +291,7 @@ class Importer {
     surface.index = Glass(surface.glass).index(kLineD);
     file_.notes.push_back(name_ + ":" + std::to_string(block.glass_line) + ": glass " +
                           quote_for_message(block.glass) +
-                          " is not in the catalogue; its index and Abbe number stand for it");
+                          " is not in the catalogue; its index and Abbe number are used");
   }
 
   std::string name_;

@@ -30,7 +30,7 @@ std::vector<Step> steps_of(std::string_view path) {
     } else if (path[i] == '.') {
       steps.emplace_back();
     } else if (steps.back().has_item) {
-      throw InputError("a dot is missing behind the bracket in " + quote_for_message(path));
+      throw InputError("a dot is missing after the bracket in " + quote_for_message(path));
     } else {
       steps.back().name += path[i];
     }
@@ -98,8 +98,8 @@ Place place_of(const Scene& scene, std::string_view text) {
     const std::size_t size = list->size(scene, place.indices);
     if (number >= size)
       throw InputError(place.path + " has " + std::to_string(size) +
-                       (size == 1 ? " item" : " items") + ", counted from 0: there is no number " +
-                       item);
+                       (size == 1 ? " item" : " items") +
+                       ", counted from 0, so there is no number " + item);
     place.indices.push_back(number);
     place.path.append("[").append(std::to_string(number)).append("]");
     place.schema_path += "[]";

@@ -36,15 +36,16 @@ inline constexpr SchemaKey kGlass = key<SURFACE, &SurfaceSpec::glass>(
 inline constexpr double kMostDistortion = 1e6;
 inline constexpr SchemaKey kDistortionK1 = key<DISTORTION, &DistortionSpec::k1>(
     "camera.lens.distortion.k1",
-    "Radial distortion: what lies in direction (x, y, 1) from the entrance pupil's middle is "
-    "imaged "
-    "where the lens without distortion would image (x, y) (1 + k1 r^2 + k2 r^4 + k3 r^6), "
-    "r^2 = x^2 + y^2. Below 0: barrel.",
+    "Radial distortion, coefficient of r^2. The direction (x, y, 1) from the centre of the "
+    "entrance pupil is imaged like (x, y) (1 + k1 r^2 + k2 r^4 + k3 r^6) by a lens without "
+    "distortion; r^2 = x^2 + y^2. Below 0: barrel.",
     kPure, within(kMostDistortion));
 inline constexpr SchemaKey kDistortionK2 = key<DISTORTION, &DistortionSpec::k2>(
-    "camera.lens.distortion.k2", "Its term r^4.", kPure, within(kMostDistortion));
+    "camera.lens.distortion.k2", "Radial distortion, coefficient of r^4.", kPure,
+    within(kMostDistortion));
 inline constexpr SchemaKey kDistortionK3 = key<DISTORTION, &DistortionSpec::k3>(
-    "camera.lens.distortion.k3", "Its term r^6.", kPure, within(kMostDistortion));
+    "camera.lens.distortion.k3", "Radial distortion, coefficient of r^6.", kPure,
+    within(kMostDistortion));
 inline constexpr SchemaKey kDistortionP1 = key<DISTORTION, &DistortionSpec::p1>(
     "camera.lens.distortion.p1",
     "Tangential distortion: 2 p1 x y + p2 (r^2 + 2 x^2) is added to x, p1 (r^2 + 2 y^2) + 2 p2 x y "
@@ -54,70 +55,65 @@ inline constexpr SchemaKey kDistortionP2 = key<DISTORTION, &DistortionSpec::p2>(
     "camera.lens.distortion.p2", "See `p1`.", kPure, within(kMostDistortion));
 inline constexpr SchemaKey kDistortionDistance = key<DISTORTION, &DistortionSpec::distance>(
     "camera.lens.distortion.distance",
-    "From the front vertex of the main lens to the plane of which the image is distorted, but "
-    "stays sharp; `inf` is far away.",
+    "Distance from the front vertex of the main lens to the plane whose image is distorted but "
+    "sharp; `inf`: infinitely far.",
     kLength, above_zero(kInf));
 
 inline constexpr SchemaKey kPitchY = key<ARRAY, &ArraySpec::pitch_y>(
     "camera.array.pitch_y",
-    "Lattice `square`: the same along y, where rows are not as far apart as columns; 0 m: as "
-    "`pitch`.",
-    kLength, from_zero(1));
+    "Lattice `square`: pitch along y, if it differs from that along x; 0 m: as `pitch`.", kLength,
+    from_zero(1));
 inline constexpr SchemaKey kArrayColumns =
     key<ARRAY, &ArraySpec::columns>("camera.array.columns",
-                                    "Microlenses in a row, as many on both sides of lens (0, 0) "
-                                    "(of an even number one more right of it); 0: without end.",
+                                    "Microlenses in a row, centred on lens (0, 0); an even number "
+                                    "has one more on its right. 0: unlimited.",
                                     kPure, {0, 65536, false, false});
-inline constexpr SchemaKey kArrayRows =
-    key<ARRAY, &ArraySpec::rows>("camera.array.rows",
-                                 "Rows of microlenses, as many above and below lens (0, 0); 0: "
-                                 "without end.",
-                                 kPure, {0, 65536, false, false});
+inline constexpr SchemaKey kArrayRows = key<ARRAY, &ArraySpec::rows>(
+    "camera.array.rows", "Rows of microlenses, centred on lens (0, 0); 0: unlimited.", kPure,
+    {0, 65536, false, false});
 inline constexpr SchemaKey kAperture = key<ARRAY, &ArraySpec::aperture>(
     "camera.array.aperture",
     "Shape of a microlens. The sides of a square lie along rows and columns of the lattice; "
     "those of a hexagon face the neighbours in a hexagonal lattice.");
-inline constexpr SchemaKey kDiameter =
-    key<ARRAY, &ArraySpec::diameter>("camera.array.diameter",
-                                     "Clear diameter of a microlens, of a square or hexagon from "
-                                     "side to side; at most the pitch, which leaves no gap between "
-                                     "squares in a square lattice, or hexagons in a hexagonal one.",
-                                     kLength, above_zero(1));
+inline constexpr SchemaKey kDiameter = key<ARRAY, &ArraySpec::diameter>(
+    "camera.array.diameter",
+    "Clear diameter of a microlens; of a square or hexagon, from side to side. At most the pitch: "
+    "then squares or hexagons of a matching lattice leave no gaps.",
+    kLength, above_zero(1));
 inline constexpr SchemaKey kDiameterY = key<ARRAY, &ArraySpec::diameter_y>(
     "camera.array.diameter_y",
-    "Aperture `square`: the same along y, of rectangles; 0 m: as `diameter`.", kLength,
+    "Aperture `square`: clear diameter along y, for rectangles; 0 m: as `diameter`.", kLength,
     from_zero(1));
 
 inline constexpr SchemaKey kPixelPitch = key<SENSOR, &SensorSpec::pixel_pitch>(
     "camera.sensor.pixel_pitch",
-    "Distance between the middles of neighbouring pixels, which leave no gaps; of pixels that are "
-    "not square, along a row.",
+    "Distance between the centres of neighbouring pixels, which leave no gaps; along a row if "
+    "pixels are not square.",
     kLength, above_zero(0.1));
 inline constexpr SchemaKey kPixelPitchY = key<SENSOR, &SensorSpec::pixel_pitch_y>(
     "camera.sensor.pixel_pitch_y",
-    "The same along a column, of pixels that are not square; 0 m: as `pixel_pitch`.", kLength,
+    "Pixel pitch along a column, for pixels that are not square; 0 m: as `pixel_pitch`.", kLength,
     from_zero(0.1));
 
 /// Wider ones would blur microlenses into one another.
 inline constexpr double kMostBlur = 16;
 inline constexpr SchemaKey kSensorBlur = key<SENSOR, &SensorSpec::blur>(
     "camera.sensor.blur",
-    "Standard deviation, in pixels, of a Gaussian by which light is spread over the sensor before "
-    "pixels record it: soft edges of real micro-images (diffraction, cover glass, crosstalk). It "
-    "ends at four deviations.",
+    "Standard deviation, in pixels, of a Gaussian blur on the sensor, for the soft edges of real "
+    "micro-images (diffraction, cover glass, crosstalk). The Gaussian ends at four deviations.",
     kPure, from_zero(kMostBlur));
 
 inline constexpr SchemaKey kFilterName =
     key<FILTER, &PupilFilterSpec::name>("camera.pupil_filters[].name", "Name for reports.");
 inline constexpr SchemaKey kFilterShape = key<FILTER, &PupilFilterSpec::shape>(
     "camera.pupil_filters[].shape",
-    "What part of the stop the filter covers: a `sector` (a half and a ring are such, too), or a "
-    "convex `polygon`. No two filters may cover the same.");
-inline constexpr SchemaKey kFilterAngle = key<FILTER, &PupilFilterSpec::angle>(
-    "camera.pupil_filters[].angle",
-    "Sector: where it begins, from camera x (right) towards camera y (down), as seen from behind "
-    "the camera.",
-    kAngle, within(1000));
+    "Part of the stop that the filter covers: a `sector` (also a half or a ring), or a convex "
+    "`polygon`. Filters must not overlap.");
+inline constexpr SchemaKey kFilterAngle =
+    key<FILTER, &PupilFilterSpec::angle>("camera.pupil_filters[].angle",
+                                         "Sector: angle of its start, from camera x (right) "
+                                         "towards camera y (down), as seen from behind the camera.",
+                                         kAngle, within(1000));
 inline constexpr SchemaKey kFilterExtent = key<FILTER, &PupilFilterSpec::extent>(
     "camera.pupil_filters[].extent", "Sector: angle over which it extends; 0 deg: all around.",
     kAngle, {0, 6.2831853071795872, false, false});
@@ -143,15 +139,15 @@ inline constexpr SchemaKey kFilterCorners{
       locate<FILTER, &PupilFilterSpec::corners>(scene, i) =
           parse_corners(std::get<std::string>(value));
     }};
-inline constexpr SchemaKey kCameraName = key<CAMERA, &CameraSpec::name>(
-    "camera.name",
-    "Name of the camera: letters, digits, _ and -. Each of several `[[cameras]]` has its own, "
-    "and the picture of one carries it.");
+inline constexpr SchemaKey kCameraName =
+    key<CAMERA, &CameraSpec::name>("camera.name",
+                                   "Name of the camera: letters, digits, _ and -. Each of several "
+                                   "`[[cameras]]` needs its own, which its picture carries.");
 inline constexpr SchemaList kLensSurfaces =
     list<SURFACE>("camera.lens.surfaces", 0, kMaxLensSurfaces);
 inline constexpr SchemaKey kFilterTransmission = key<FILTER, &PupilFilterSpec::transmission>(
     "camera.pupil_filters[].transmission",
-    "Its transmission, straight lines between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 outside; "
-    "empty: everything passes. 0 at all points: an opaque mask.");
+    "Transmission of the filter, linear between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 "
+    "outside; empty: all light passes. 0 at all points: an opaque mask.");
 
 }  // namespace plenoflame::schema

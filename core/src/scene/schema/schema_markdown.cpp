@@ -101,19 +101,18 @@ std::string scene_reference_markdown() {
       "\n" +
       units_text() +
       "\n"
-      "`inf` is a length: a radius of `\"inf\"` is a plane. The world is right-handed with z up; "
-      "the camera's frame has\n"
-      "its origin at the front vertex of the main lens, z towards the scene, x right and y down.\n"
+      "`inf` is a length: a radius of `\"inf\"` is a plane. The world is right-handed with z up. "
+      "The camera's frame has\n"
+      "its origin at the front vertex of the main lens. There z points towards the scene, x right "
+      "and y down.\n"
       "\n"
       "## Presets\n"
       "\n"
       "`preset = \"NAME\"` in `[camera]` (or an item of `[[cameras]]`), `[camera.lens]` or "
-      "`[[flames]]` starts from a preset; "
-      "every other key "
-      "given overrides it. A\n"
-      "list that is given, such as `[[camera.array.types]]`, replaces the whole list of the "
-      "preset. The texts, with what\n"
-      "their sources leave open and what was chosen, are in the folder `core/presets`.\n"
+      "`[[flames]]` starts from a preset; every other key given overrides it. A\n"
+      "given list, such as `[[camera.array.types]]`, replaces the whole list of the preset. The "
+      "texts are in the folder\n"
+      "`core/presets`, with notes on values that their sources leave open.\n"
       "\n";
   add_presets(page, PresetKind::camera);
   page += "\n";
@@ -123,11 +122,16 @@ std::string scene_reference_markdown() {
   for (const SchemaTable& table : schema_tables()) {
     if (table.path == schema::kEachCamera) {
       page +=
-          "\n## `[[cameras]]`\n\nSeveral cameras in place of `[camera]`, each with a `name` of its "
-          "own (docs/user/cameras.md): all keys and tables\nof `[camera]`, as `[cameras.lens]`, "
-          "`[[cameras.array.types]]` and so on below the item they belong to. `like = \"NAME\"` "
-          "starts from an earlier camera of "
-          "the list instead of\na preset; every other key given overrides it.\n\nA list of 1 to " +
+          "\n## `[[cameras]]`\n"
+          "\n"
+          "Several cameras in place of `[camera]`, each with its own `name` "
+          "(docs/user/cameras.md). "
+          "An item has all keys and tables\n"
+          "of `[camera]`, as `[cameras.lens]`, `[[cameras.array.types]]` and so on below it. "
+          "`like = \"NAME\"` starts from an earlier camera of the list instead of\n"
+          "a preset; every other key given overrides it.\n"
+          "\n"
+          "A list of 1 to " +
           std::to_string(find_schema_list("cameras")->most) + " items.\n";
     }
     if (table.path.starts_with(schema::kEachCamera)) continue;

@@ -35,17 +35,16 @@ constexpr SchemaKey kRows[] = {
                                            kLength, from_zero(kLargestLens)),
     key<LENS, &MainLensSpec::diameter>(
         "camera.lens.diameter",
-        "Diameter of that thin lens, which is its stop; used when `surfaces` is empty.", kLength,
+        "Diameter of the thin lens and of its stop; used when `surfaces` is empty.", kLength,
         from_zero(kLargestLens)),
     key<LENS, &MainLensSpec::decentre>(
         "camera.lens.decentre",
-        "By how much the main lens is mounted beside the axis of array and sensor, camera x and y.",
+        "Displacement of the main lens from the axis of array and sensor, along camera x and y.",
         kLength, within(1)),
     key<LENS, &MainLensSpec::tilt>(
         "camera.lens.tilt",
-        "Angles by which the main lens is mounted askew, about camera x, then y, around its front "
-        "vertex.",
-        kAngle, within(0.2)),
+        "Tilt of the main lens about camera x, then y, around its front vertex.", kAngle,
+        within(0.2)),
 
     kDistortionK1,
     kDistortionK2,
@@ -79,25 +78,27 @@ constexpr SchemaKey kRows[] = {
     kAspheric,
     key<SURFACE, &SurfaceSpec::radius_x>(
         "camera.lens.surfaces[].radius_x",
-        "Of a biconic surface, in place of `radius`: that of its section along camera x. Given "
-        "with `radius_y`; `inf` in one of them makes a cylinder. 0 m: it is round.",
+        "Biconic surface: radius of the section along camera x, in place of `radius`; needs "
+        "`radius_y`. `inf` in one of them makes a cylinder. 0 m: a round surface.",
         kLength),
     key<SURFACE, &SurfaceSpec::radius_y>("camera.lens.surfaces[].radius_y",
-                                         "The same along camera y.", kLength),
+                                         "Biconic surface: radius of the section along camera y.",
+                                         kLength),
     key<SURFACE, &SurfaceSpec::conic_x>("camera.lens.surfaces[].conic_x",
                                         "Conic constant along camera x of a biconic surface.",
                                         kPure, within(1e6)),
     key<SURFACE, &SurfaceSpec::conic_y>("camera.lens.surfaces[].conic_y",
-                                        "The same along camera y.", kPure, within(1e6)),
+                                        "Conic constant along camera y of a biconic surface.",
+                                        kPure, within(1e6)),
     kGlass,
 
     key<ARRAY, &ArraySpec::present>(
         "camera.array.present",
-        "Whether there is a microlens array; a file that has the table `camera.array` means yes."),
+        "Whether there is a microlens array; true if the file has the table `camera.array`."),
     key<ARRAY, &ArraySpec::lattice>("camera.array.lattice", "How the microlenses are arranged."),
     key<ARRAY, &ArraySpec::model>("camera.array.model",
                                   "`real` microlenses are thick lenses with two spherical faces; "
-                                  "`ideal` ones the paraxial transform."),
+                                  "`ideal` ones apply the paraxial transform."),
     key<ARRAY, &ArraySpec::pitch>("camera.array.pitch",
                                   "Distance between the centres of neighbouring microlenses.",
                                   kLength, above_zero(1)),
@@ -125,30 +126,28 @@ constexpr SchemaKey kRows[] = {
                                             "Distance B between array and sensor.", kLength,
                                             above_zero(10)),
     key<ARRAY, &ArraySpec::measured_from>("camera.array.measured_from",
-                                          "Where that distance begins: at the rear principal plane "
-                                          "of the first type, or at the rear vertices."),
+                                          "Start of `sensor_distance`: the rear principal plane of "
+                                          "the first type, or the rear vertices."),
 
-    key<ARRAY, &ArraySpec::spacing_error>("camera.array.spacing_error",
-                                          "By how much the sensor is farther from the array than "
-                                          "`sensor_distance` says; the focus does not know of it.",
-                                          kLength, within(1)),
+    key<ARRAY, &ArraySpec::spacing_error>(
+        "camera.array.spacing_error",
+        "Error of `sensor_distance`: the sensor is this much farther from the array. The focus is "
+        "computed without it.",
+        kLength, within(1)),
     key<ARRAY, &ArraySpec::centre_jitter>(
         "camera.array.centre_jitter",
-        "Every microlens but (0, 0), whose place is `offset`, is displaced across the axis to a "
-        "random "
-        "point of a disc of this radius; at most half the gap between neighbours.",
+        "Each microlens is displaced across the axis to a random point of a disc of this radius, "
+        "at most half the gap between neighbours. Lens (0, 0) stays at `offset`.",
         kLength, from_zero(1)),
     key<ARRAY, &ArraySpec::focal_jitter>(
         "camera.array.focal_jitter",
-        "Every microlens but (0, 0) has its radii (an ideal one its focal length) multiplied by a "
-        "random factor between 1 - focal_jitter and 1 + focal_jitter.",
+        "Random factors between 1 - focal_jitter and 1 + focal_jitter multiply the radii of each "
+        "microlens, or the focal length of an ideal one. Lens (0, 0) is exact.",
         kPure, from_zero(0.5)),
-    key<ARRAY, &ArraySpec::jitter_seed>("camera.array.jitter_seed",
-                                        "Another seed makes both jitters fall otherwise."),
-    key<ARRAY, &ArraySpec::tilt>(
-        "camera.array.tilt",
-        "Angles by which the array is askew to the sensor, about camera x, then y.", kAngle,
-        within(0.2)),
+    key<ARRAY, &ArraySpec::jitter_seed>("camera.array.jitter_seed", "Seed of both jitters."),
+    key<ARRAY, &ArraySpec::tilt>("camera.array.tilt",
+                                 "Tilt of the array against the sensor, about camera x, then y.",
+                                 kAngle, within(0.2)),
 
     key<TYPE, &MicrolensSpec::name>(
         "camera.array.types[].name",
@@ -161,14 +160,15 @@ constexpr SchemaKey kRows[] = {
         "Radius of the face towards the sensor, positive when convex.", kLength, kNonzero),
     key<TYPE, &MicrolensSpec::index>("camera.array.types[].index",
                                      "Refractive index of the microlens.", kPure, kIndex),
-    key<TYPE, &MicrolensSpec::focal_length>("camera.array.types[].focal_length",
-                                            "Focal length of an ideal microlens, which is then "
-                                            "thin, whatever its radii; 0 m: radii and "
-                                            "`index` give it. `real` microlenses do not use it.",
-                                            kLength, within(10)),
+    key<TYPE, &MicrolensSpec::focal_length>(
+        "camera.array.types[].focal_length",
+        "Focal length of an `ideal` microlens, which is then thin; 0 m: computed from radii and "
+        "`index`. `real` microlenses do not use it.",
+        kLength, within(10)),
 
-    key<TYPE, &MicrolensSpec::glass>("camera.array.types[].glass",
-                                     "Its glass in place of `index`, as for the main lens."),
+    key<TYPE, &MicrolensSpec::glass>(
+        "camera.array.types[].glass",
+        "Glass of the microlens in place of `index`, as for the main lens."),
 
     key<SENSOR, &SensorSpec::columns>("camera.sensor.columns",
                                       "Pixels across; columns times rows are at most 1000 million.",
@@ -188,15 +188,15 @@ constexpr SchemaKey kRows[] = {
     kExposureSteps,
     key<SENSOR, &SensorSpec::quantum_efficiency>(
         "camera.sensor.quantum_efficiency",
-        "Electrons per photon; 1 where the channels' responses have it in them.", kPure,
+        "Electrons per photon; 1 if the responses of the channels include it.", kPure,
         above_zero(1)),
     key<SENSOR, &SensorSpec::fill_factor>("camera.sensor.fill_factor",
                                           "Share of a pixel's area that is sensitive.", kPure,
                                           above_zero(1)),
     key<SENSOR, &SensorSpec::full_well>(
         "camera.sensor.full_well",
-        "Electrons that a pixel can hold; more are lost, and none spill over.", kPure,
-        above_zero(1e12)),
+        "Greatest number of electrons in a pixel; excess electrons are lost, without blooming.",
+        kPure, above_zero(1e12)),
     key<SENSOR, &SensorSpec::read_noise>("camera.sensor.read_noise",
                                          "RMS noise of reading a pixel, in electrons.", kPure,
                                          from_zero(1e6)),
@@ -218,22 +218,23 @@ constexpr SchemaKey kRows[] = {
                                          "Whether electrons arrive at random, by Poisson's law."),
     key<SENSOR, &SensorSpec::hot_pixels>(
         "camera.sensor.hot_pixels",
-        "Share of the pixels, chosen at random, that have `hot_current` for their dark current.",
-        kPure, from_zero(1)),
+        "Share of the pixels, chosen at random, whose dark current is `hot_current`.", kPure,
+        from_zero(1)),
     key<SENSOR, &SensorSpec::hot_current>("camera.sensor.hot_current",
                                           "Dark current of the hot pixels, electrons per second.",
                                           kPure, from_zero(1e12)),
     key<SENSOR, &SensorSpec::dead_pixels>(
-        "camera.sensor.dead_pixels", "Share of the pixels, chosen at random, that see nothing.",
+        "camera.sensor.dead_pixels", "Share of the pixels, chosen at random, that record no light.",
         kPure, from_zero(1)),
     key<SENSOR, &SensorSpec::noise_seed>(
         "camera.sensor.noise_seed",
         "The same seed gives the same noise and the same defects, pixel by pixel."),
 
-    key<FOCUS, &FocusSpec::mode>("camera.focus.mode",
-                                 "`distance`: as given by `lens_distance`; `paraxial`: the object "
-                                 "plane is imaged paraxially on the conjugate "
-                                 "plane; `best`: with the least RMS spot of real rays there."),
+    key<FOCUS, &FocusSpec::mode>(
+        "camera.focus.mode",
+        "`distance`: as given by `lens_distance`; `paraxial`: the paraxial image of the object "
+        "plane lies on the conjugate plane; `best`: real rays have their least RMS spot on the "
+        "conjugate plane."),
     key<FOCUS, &FocusSpec::lens_distance>("camera.focus.lens_distance",
                                           "Mode `distance`: from the vertex of the last lens "
                                           "surface to the front vertices of the microlenses, or to "
@@ -259,17 +260,17 @@ constexpr SchemaKey kRows[] = {
         kPure, from_zero(5)),
     key<TRANSMISSION, &TransmissionSpec::coating_wavelength>(
         "camera.transmission.coating_wavelength",
-        "Wavelength of which the layer is a quarter thick, along its normal.", kLength,
+        "Wavelength for which the layer is a quarter wave thick, at normal incidence.", kLength,
         above_zero(1e-3)),
     key<TRANSMISSION, &TransmissionSpec::cover_index>(
         "camera.transmission.cover_index",
-        "Index of the sensor's cover glass, which reflects at both faces; it displaces nothing. 1: "
-        "none.",
+        "Index of the sensor's cover glass, which reflects at both faces and does not shift the "
+        "image. 1: no cover glass.",
         kPure, kIndex),
     key<TRANSMISSION, &TransmissionSpec::filter>(
         "camera.transmission.filter",
-        "Transmission of a filter in front of the sensor, straight lines between points: `400 nm "
-        "0.9, 700 nm 0.8`, 0 outside; empty: none."),
+        "Transmission of a filter in front of the sensor, linear between points: `400 nm 0.9, 700 "
+        "nm 0.8`, 0 outside; empty: no filter."),
 
     kFilterName,
     kFilterShape,
@@ -292,8 +293,8 @@ constexpr SchemaKey kRows[] = {
                                      kAngle, within(1000)),
     key<FLAME, &FlameSpec::scale>(
         "flames[].scale",
-        "Factor on the flame's own lengths before it is turned and placed, for files that are not "
-        "in metres (0.001: millimetres); absorption stays as it is.",
+        "Factor on the lengths in the flame's own frame, for files that are not in metres (0.001: "
+        "millimetres); absorption is not scaled.",
         kPure, above_zero(1e9)),
     kBrightness,
     kFlameFile,
@@ -301,7 +302,7 @@ constexpr SchemaKey kRows[] = {
     kFirstFrame,
     kTimeTable,
     key<FLAME, &FlameSpec::interpolation>("flames[].interpolation",
-                                          "Kind `vdb`: how values vary within a voxel."),
+                                          "Kind `vdb`: interpolation of values within a voxel."),
 
     key<LAYER, &EllipsoidSpec::name>("flames[].layers[].name", "Name for messages."),
     key<LAYER, &EllipsoidSpec::centre>("flames[].layers[].centre",
@@ -374,8 +375,9 @@ constexpr SchemaKey kRows[] = {
     key<SPECTRUM, &SpectrumSpec::reference>("flames[].spectrum.reference",
                                             "Wavelength at which the flame's absorption holds.",
                                             kLength, above_zero(1e-3)),
-    key<SPECTRUM, &SpectrumSpec::exponent>(
-        "flames[].spectrum.exponent", "Kind `power`: soot has about 1 to 1.4.", kPure, within(20)),
+    key<SPECTRUM, &SpectrumSpec::exponent>("flames[].spectrum.exponent",
+                                           "Kind `power`: exponent; about 1 to 1.4 for soot.",
+                                           kPure, within(20)),
     key<SPECTRUM, &SpectrumSpec::index>(
         "flames[].spectrum.index",
         "Kind `soot`: refractive index; `constant` E(m), `chang` (Chang and Charalampopoulos 1990, "
@@ -386,28 +388,25 @@ constexpr SchemaKey kRows[] = {
         above_zero(10)),
     key<SPECTRUM, &SpectrumSpec::table>(
         "flames[].spectrum.table",
-        "Kind `table`: relative absorption, straight lines between the points: `450 nm 1.4, 650 nm "
-        "1`."),
+        "Kind `table`: relative absorption, linear between points: `450 nm 1.4, 650 nm 1`."),
 
     key<SCATTERING, &ScatteringSpec::albedo>(
         "flames[].scattering.albedo",
-        "Share of the extinction that is scattering, below 1; the flame's absorption stays what it "
-        "is, and scattering comes on top of it. 0: none.",
+        "Share of scattering in the extinction, below 1. Scattering is added to the flame's "
+        "absorption. 0: no scattering.",
         kPure, from_zero(1)),
-    key<SCATTERING, &ScatteringSpec::grid>(
-        "flames[].scattering.grid",
-        "Kind `vdb`: name of a grid of albedos in the file, at least 0 and below 1, in place of "
-        "`albedo`; empty: that."),
-    key<SCATTERING, &ScatteringSpec::phase>("flames[].scattering.phase",
-                                            "How directions are distributed."),
+    key<SCATTERING, &ScatteringSpec::grid>("flames[].scattering.grid",
+                                           "Kind `vdb`: name of a grid of albedos in the file, at "
+                                           "least 0 and below 1; empty: `albedo` everywhere."),
+    key<SCATTERING, &ScatteringSpec::phase>(
+        "flames[].scattering.phase", "Phase function: distribution of the scattered directions."),
     key<SCATTERING, &ScatteringSpec::asymmetry>(
         "flames[].scattering.asymmetry",
-        "Henyey-Greenstein: mean cosine of the angle; 0: all directions alike.", kPure,
+        "Henyey-Greenstein: mean cosine of the scattering angle; 0: isotropic.", kPure,
         {-0.999, 0.999, false, false}),
 
     key<SOLID, &SolidSurfaceSpec::shape>(
-        "surfaces[].shape",
-        "What it is; a body stands on z = 0 of its own frame, a sphere is centred."),
+        "surfaces[].shape", "Shape; a body stands on z = 0 of its own frame, a sphere is centred."),
     key<SOLID, &SolidSurfaceSpec::name>("surfaces[].name", "Name for messages."),
     key<SOLID, &SolidSurfaceSpec::position>("surfaces[].position",
                                             "World place of the origin of its own frame.", kLength,
@@ -422,19 +421,19 @@ constexpr SchemaKey kRows[] = {
                                           "Height of a cylinder or cone, along its z.", kLength,
                                           from_zero(kFar)),
     key<SOLID, &SolidSurfaceSpec::caps>(
-        "surfaces[].caps", "Whether a cylinder or cone is closed; a cylinder without is a tube."),
+        "surfaces[].caps",
+        "Whether a cylinder or cone has end caps; a cylinder without caps is a tube."),
     key<SOLID, &SolidSurfaceSpec::extent>(
         "surfaces[].extent",
-        "Sides of a plane along its x and y; its front looks along its z. `inf`: without end.",
+        "Sides of a plane along its x and y; its front looks along its z. `inf`: infinite.",
         kLength, above_zero(kInf)),
     key<SOLID, &SolidSurfaceSpec::size>("surfaces[].size",
                                         "Sides of a box, which is centred in x and y.", kLength,
                                         from_zero(kFar)),
     key<SOLID, &SolidSurfaceSpec::file>(
         "surfaces[].file", "Mesh: an OBJ, PLY or STL file, relative to the scene file."),
-    key<SOLID, &SolidSurfaceSpec::file_unit>("surfaces[].file_unit",
-                                             "Mesh: what a length of 1 in the file is.", kLength,
-                                             above_zero(kFar)),
+    key<SOLID, &SolidSurfaceSpec::file_unit>(
+        "surfaces[].file_unit", "Mesh: length of one unit in the file.", kLength, above_zero(kFar)),
 
     key<MATERIAL, &MaterialSpec::kind>(
         "surfaces[].material.kind",
@@ -446,23 +445,22 @@ constexpr SchemaKey kRows[] = {
         "channel.",
         kPure, from_zero(1)),
     key<MATERIAL, &MaterialSpec::temperature>("surfaces[].material.temperature",
-                                              "Kind `blackbody`: its temperature.",
+                                              "Kind `blackbody`: temperature.",
                                               Dimension::temperature, from_zero(1e5)),
     key<MATERIAL, &MaterialSpec::radiance>("surfaces[].material.radiance",
-                                           "Kind `emitter`: its radiance, the same in every "
-                                           "channel.",
+                                           "Kind `emitter`: radiance, the same in every channel.",
                                            Dimension::radiance, from_zero(1e30)),
     key<MATERIAL, &MaterialSpec::sides>(
         "surfaces[].material.sides",
-        "`both` sides are of this material, or the `front` only, and the back is black."),
+        "`both`: both sides have this material; `front`: only the front, and the back is black."),
 
     key<TEXTURE, &TextureSpec::kind>(
         "surfaces[].material.texture.kind",
-        "Pattern of the reflectivity: generated, or an `image` (PNG, its transfer curve undone)."),
-    key<TEXTURE, &TextureSpec::dark>("surfaces[].material.texture.dark",
-                                     "Reflectivity where the pattern is dark; where it is light "
-                                     "the material's holds.",
-                                     kPure, from_zero(1)),
+        "Pattern of the reflectivity: generated, or an `image` (PNG, converted to linear values)."),
+    key<TEXTURE, &TextureSpec::dark>(
+        "surfaces[].material.texture.dark",
+        "Reflectivity of the dark parts; the light parts have that of the material.", kPure,
+        from_zero(1)),
     key<TEXTURE, &TextureSpec::cell>("surfaces[].material.texture.cell",
                                      "Side of a square, spacing of dots, period of the coarsest "
                                      "bars.",
@@ -499,30 +497,29 @@ constexpr SchemaKey kRows[] = {
                                  kAngle, from_zero(6.2831853071795864)),
     key<LIGHT, &LightSpec::power>("lights[].power", "Kind `point`: radiant flux into the cone.",
                                   Dimension::flux, from_zero(1e30)),
-    key<LIGHT, &LightSpec::irradiance>("lights[].irradiance",
-                                       "Kind `parallel`: on a plane across the direction.",
-                                       Dimension::irradiance, from_zero(1e30)),
-    key<LIGHT, &LightSpec::radiance>("lights[].radiance", "Kind `environment`: its radiance.",
+    key<LIGHT, &LightSpec::irradiance>(
+        "lights[].irradiance", "Kind `parallel`: irradiance of a plane across the direction.",
+        Dimension::irradiance, from_zero(1e30)),
+    key<LIGHT, &LightSpec::radiance>("lights[].radiance", "Kind `environment`: radiance.",
                                      Dimension::radiance, from_zero(1e30)),
     key<LIGHT, &LightSpec::temperature>(
         "lights[].temperature",
-        "0 K: the figure above holds in every channel; otherwise it is for all wavelengths, and a "
-        "channel has the share that a blackbody of this temperature has in it.",
+        "0 K: the value above holds in every channel. Otherwise it covers all wavelengths, and a "
+        "channel gets the share of a blackbody of this temperature.",
         Dimension::temperature, from_zero(1e5)),
 
     key<CHANNEL, &ChannelSpec::name>("channels[].name",
                                      "Name of the image channel: letters, digits, _ and -."),
     key<CHANNEL, &ChannelSpec::kind>(
         "channels[].kind",
-        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: times "
-        "a Gaussian filter; `curve`: times a response given by points; `named`: times one that has "
-        "a "
-        "name."),
+        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: with "
+        "a Gaussian filter; `curve`: with a response given by points; `named`: with a named "
+        "response."),
     key<CHANNEL, &ChannelSpec::wavelength>("channels[].wavelength",
-                                           "Kinds `band` and `line`: the centre, in vacuum.",
-                                           kLength, from_zero(1e-3)),
+                                           "Kinds `band` and `line`: centre, in vacuum.", kLength,
+                                           from_zero(1e-3)),
     key<CHANNEL, &ChannelSpec::width>(
-        "channels[].width", "Kind `band`: its full width; `line`: full width at half the maximum.",
+        "channels[].width", "Kind `band`: full width; `line`: full width at half the maximum.",
         kLength, from_zero(1e-3)),
     key<CHANNEL, &ChannelSpec::response>(
         "channels[].response",
@@ -531,19 +528,17 @@ constexpr SchemaKey kRows[] = {
         "channels[].file",
         "Kind `curve`: CSV file of wavelength in nm (or as its header says) and response, relative "
         "to the scene file."),
-    key<CHANNEL, &ChannelSpec::curve>(
-        "channels[].curve",
-        "Kind `curve`: the points themselves, `450 nm 0.2, 460 nm 0.35`, joined by straight lines; "
-        "without them they are read from `file`."),
+    key<CHANNEL, &ChannelSpec::curve>("channels[].curve",
+                                      "Kind `curve`: the points, `450 nm 0.2, 460 nm 0.35`, joined "
+                                      "by straight lines; empty: read from `file`."),
     key<CHANNEL, &ChannelSpec::photons>(
         "channels[].photons",
         "Whether the response is a quantum efficiency: light then counts in proportion to its "
-        "wavelength, which makes electrons of flux exactly."),
-    key<CHANNEL, &ChannelSpec::wavelengths>(
-        "channels[].wavelengths",
-        "How many wavelengths stand for the channel, at least, where a glass disperses: each has "
-        "rays of its own.",
-        kPure, {1, 16, false, false}),
+        "wavelength, so that flux is exactly proportional to electrons."),
+    key<CHANNEL, &ChannelSpec::wavelengths>("channels[].wavelengths",
+                                            "Least number of wavelengths that sample the channel "
+                                            "if a glass disperses; each has its own rays.",
+                                            kPure, {1, 16, false, false}),
 
     key<RENDER, &RenderSpec::estimator>("render.estimator",
                                         "`backward`: rays from the sensor to the flame; `forward`: "
@@ -557,7 +552,7 @@ constexpr SchemaKey kRows[] = {
                                    "The same seed gives the same image, bit for bit."),
     key<RENDER, &RenderSpec::reflections>(
         "render.reflections",
-        "How often light may be reflected by surfaces on its way; 1: direct light only.", kPure,
+        "Greatest number of reflections by surfaces along a path; 1: direct light only.", kPure,
         {0, 64, false, false}),
     key<RENDER, &RenderSpec::flame_light>("render.flame_light",
                                           "Whether flames light the surfaces."),

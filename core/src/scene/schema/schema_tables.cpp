@@ -5,19 +5,16 @@ namespace plenoflame {
 namespace {
 
 constexpr SchemaTable kTableRows[] = {
-    {"camera", "Where the camera stands and looks.", true, PresetKind::camera},
+    {"camera", "Position and direction of the camera.", true, PresetKind::camera},
     {"camera.lens",
      "The main lens: surfaces, or a thin ideal lens. `preset` names a prescription below; `file` "
-     "reads "
-     "one from a file, relative to the scene: TOML with this table, sequential Zemax (`.zmx`), or "
-     "four "
-     "columns in mm as pbrt has them (`.dat`, `.txt`). `f_number` takes the place of the diameter "
-     "of "
-     "the stop; what is written later, or printed by `info --scene`, has the diameter.",
+     "reads one from a file, relative to the scene: TOML with this table, sequential Zemax "
+     "(`.zmx`), or four columns in mm as pbrt has them (`.dat`, `.txt`). `f_number` replaces the "
+     "diameter of the stop; written scenes and `info --scene` have the diameter.",
      true, PresetKind::lens},
     {"camera.lens.distortion",
-     "Where the main lens images directions elsewhere than an ideal one: a map of the rays outside "
-     "of it that can be undone. Without it there is none.",
+     "Distortion of the main lens: an invertible map of the rays in front of it. Without this "
+     "table there is no distortion.",
      false,
      {}},
     {"camera.lens.surfaces[]",
@@ -30,9 +27,9 @@ constexpr SchemaTable kTableRows[] = {
      {}},
     {"camera.array.types[]", "The one to three interleaved kinds of microlenses.", false, {}},
     {"camera.sensor", "The sensor, centred on the optical axis.", false, {}},
-    {"camera.focus", "How the distance between main lens and array is found.", false, {}},
+    {"camera.focus", "Rule for the distance between main lens and array.", false, {}},
     {"camera.transmission",
-     "What is lost of the light in the camera; without it, nothing but what apertures stop.",
+     "Losses of light in the camera; without this table, only apertures block light.",
      false,
      {}},
     {"camera.pupil_filters[]",
@@ -42,7 +39,7 @@ constexpr SchemaTable kTableRows[] = {
      {}},
     {"flames[]", "The flames.", true, PresetKind::flame},
     {"flames[].layers[]",
-     "Ellipsoids of a layered flame; where several overlap, the first listed counts.",
+     "Ellipsoids of a layered flame; where several overlap, the first one in the list counts.",
      false,
      {}},
     {"flames[].temperature", "Kind `vdb`: how a grid becomes the temperature.", false, {}},
@@ -51,17 +48,17 @@ constexpr SchemaTable kTableRows[] = {
      false,
      {}},
     {"flames[].lines[]",
-     "Kind `vdb`: light that the gas emits at one wavelength whatever its temperature, from a grid "
-     "(docs/radiometry.md).",
+     "Kind `vdb`: emission lines of the gas, from grids; their light does not depend on "
+     "temperature (docs/radiometry.md).",
      false,
      {}},
-    {"flames[].spectrum", "How the absorption depends on wavelength.", false, {}},
+    {"flames[].spectrum", "Dependence of the absorption on wavelength.", false, {}},
     {"flames[].scattering",
-     "Light that goes on in another direction; only scenes that have it pay for it.",
+     "Scattering by the flame; only scenes with scattering take longer.",
      false,
      {}},
     {"surfaces[]", "Solid surfaces (docs/surfaces.md).", false, {}},
-    {"surfaces[].material", "What the surface is made of.", false, {}},
+    {"surfaces[].material", "Material of the surface.", false, {}},
     {"surfaces[].material.texture",
      "A pattern of the reflectivity, centred on the surface.",
      false,
@@ -71,9 +68,12 @@ constexpr SchemaTable kTableRows[] = {
      false,
      {}},
     {"lights[]", "Light sources; flames and hot surfaces are sources of their own.", false, {}},
-    {"channels[]", "What is measured; without any, one channel `total`.", false, {}},
+    {"channels[]",
+     "Spectral channels of the pictures; without any, one channel `total`.",
+     false,
+     {}},
     {"render", "Defaults of a run; the command line overrides them.", false, {}},
-    {"develop", "How the command `develop` turns flux into digital numbers.", false, {}},
+    {"develop", "Conversion of flux into digital numbers by the command `develop`.", false, {}},
 };
 
 constexpr auto kTables = schema::with_each_camera<kTableRows>();

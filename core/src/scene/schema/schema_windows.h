@@ -29,10 +29,10 @@ inline constexpr SchemaKey kWindowRows[] = {
                                        "Rotation about the world's x, then y, then z.", kAngle,
                                        within(1000)),
     key<WINDOW, &WindowSpec::thickness>("windows[].thickness",
-                                        "Of a plate or wall; of a wedge, in its middle.", kLength,
-                                        above_zero(kLargestLens)),
+                                        "Thickness of a plate or wall; of a wedge, in its middle.",
+                                        kLength, above_zero(kLargestLens)),
     key<WINDOW, &WindowSpec::diameter>("windows[].diameter",
-                                       "Plate and wedge: diameter of a round one; 0 m: `extent`.",
+                                       "Plate and wedge: diameter if round; 0 m: `extent` applies.",
                                        kLength, from_zero(kFar)),
     key<WINDOW, &WindowSpec::extent>("windows[].extent",
                                      "Plate and wedge: sides along x and y of its own frame.",
@@ -41,21 +41,20 @@ inline constexpr SchemaKey kWindowRows[] = {
                                     from_zero(1)),
     key<WINDOW, &WindowSpec::radius>("windows[].radius", "Tube and dome: radius of the outer face.",
                                      kLength, from_zero(kFar)),
-    key<WINDOW, &WindowSpec::height>(
-        "windows[].height",
-        "Tube: its length; dome: from its rim to its top, the radius for a hemisphere, at most "
-        "twice that.",
-        kLength, from_zero(kFar)),
+    key<WINDOW, &WindowSpec::height>("windows[].height",
+                                     "Tube: length; dome: from rim to top, equal to the radius for "
+                                     "a hemisphere, at most twice the radius.",
+                                     kLength, from_zero(kFar)),
     key<WINDOW, &WindowSpec::glass>(
-        "windows[].glass", "Glass as of a lens (`FUSED-SILICA`, `N-BK7`); empty: `index`."),
-    key<WINDOW, &WindowSpec::index>("windows[].index", "Refractive index, where no glass is named.",
+        "windows[].glass", "Glass, named as for a lens (`FUSED-SILICA`, `N-BK7`); empty: `index`."),
+    key<WINDOW, &WindowSpec::index>("windows[].index", "Refractive index, if no glass is named.",
                                     kPure, kIndex),
     key<WINDOW, &WindowSpec::absorption>(
         "windows[].absorption", "Absorption coefficient of the glass, the same in every channel.",
         Dimension::absorption, from_zero(1e9)),
-    key<WINDOW, &WindowSpec::fresnel>(
-        "windows[].fresnel",
-        "Whether its faces reflect a part of the light, which the picture then lacks."),
+    key<WINDOW, &WindowSpec::fresnel>("windows[].fresnel",
+                                      "Whether the faces of the window reflect a part of the "
+                                      "light, which the picture then lacks."),
 };
 
 #undef WINDOW

@@ -78,10 +78,10 @@ constexpr double kShortest = 1.0 / 16;
 /// An ideal lens that no glass could be.
 void check_strength(const std::string& key, double focal_length, double diameter, Issues& issues) {
   if (focal_length == 0 || std::fabs(focal_length) >= kShortest * diameter) return;
-  issues.error(key, fmt::format("{} is {}, shorter than any glass of the diameter {} can have; {} "
-                                "is the least",
-                                key, short_length(focal_length), short_length(diameter),
-                                short_length(kShortest * diameter)));
+  issues.error(
+      key, fmt::format("{} is {}, too short for glass with the diameter {}; it must be at least {}",
+                       key, short_length(focal_length), short_length(diameter),
+                       short_length(kShortest * diameter)));
 }
 
 /// The f-number is computed from the stop. It is wrong where the rims of the glass limit the light
@@ -218,7 +218,7 @@ void check_array(const CameraSpec& camera, Issues& issues) {
     const std::string path = fmt::format("camera.array.types[{}].name", i);
     if (name.empty()) issues.error(path, fmt::format("microlens type {} has no name", i));
     if (name == "array" || name == "sensor")
-      issues.error(path, "a microlens type cannot be named \"" + name +
+      issues.error(path, "a microlens type must not be named \"" + name +
                              "\", which has a meaning in camera.focus.conjugate");
     for (std::size_t k = 0; k < i; ++k)
       if (!name.empty() && array.types[k].name == name)
@@ -232,8 +232,8 @@ void check_array(const CameraSpec& camera, Issues& issues) {
       (camera.sensor.columns * (pixel.x / shortest)) * (camera.sensor.rows * (pixel.y / shortest));
   if (!(lenses < kMostLenses))
     issues.error("camera.array.pitch",
-                 fmt::format("at a pitch of {} some {:.1g} microlenses stand before the sensor; "
-                             "{:.0e} are the most",
+                 fmt::format("at a pitch of {} about {:.1g} microlenses are in front of the "
+                             "sensor; at most {:.0e} are possible",
                              short_length(array.pitch), lenses, kMostLenses));
   check_microlens_shape(array, issues);
   for (std::size_t i = 0; i < array.types.size(); ++i) check_type(array, i, issues);
@@ -343,13 +343,12 @@ void check_overlap(const Camera& camera, Issues& issues) {
   const double gap = camera.aim_plane(0) - camera.sensor();
   const double row = gap * cone / camera.spec().array.pitch;
   if (row <= kMostOverlap) return;
-  issues.error_among(
-      {"camera.array.sensor_distance", "camera.array.pitch"},
-      fmt::format("the micro-images are {} wide at a pitch of {}: {:.3g} of them, in a row, lie "
-                  "over each other on every pixel, and {:.0f} are the most; make "
-                  "camera.array.sensor_distance or the stop smaller",
-                  short_length(gap * cone), short_length(camera.spec().array.pitch), row,
-                  kMostOverlap));
+  issues.error_among({"camera.array.sensor_distance", "camera.array.pitch"},
+                     fmt::format("the micro-images are {} wide at a pitch of {}: {:.3g} of them, "
+                                 "in a row, overlap on every pixel, and at most {:.0f} are "
+                                 "possible; make camera.array.sensor_distance or the stop smaller",
+                                 short_length(gap * cone), short_length(camera.spec().array.pitch),
+                                 row, kMostOverlap));
 }
 
 }  // namespace

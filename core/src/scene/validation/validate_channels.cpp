@@ -137,7 +137,7 @@ void check_camera_spectra(const Scene& scene, Issues& issues) {
                              coating));
   if (coating > 0 && !scene.camera.transmission.fresnel)
     issues.warning("camera.transmission.coating_index",
-                   "a coating changes nothing without camera.transmission.fresnel = true");
+                   "a coating has no effect without camera.transmission.fresnel = true");
   if (issues.errors() > 0) return;
   check_glass_range(scene, issues);
   for (std::size_t i = 0; i < scene.channels.size(); ++i)
@@ -163,10 +163,9 @@ void check_scattering(const FlameSpec& flame, const std::string& path, Issues& i
   if (!flame.scattering.grid.empty() && flame.scattering.albedo > 0)
     issues.error(grid, grid + " and albedo are both given; keep one of them");
   if (flame.scattering.albedo >= 1)
-    issues.error(path + ".scattering.albedo",
-                 path +
-                     ".scattering.albedo is 1, with which any absorption would come with endless "
-                     "scattering; it must be below 1");
+    issues.error(
+        path + ".scattering.albedo",
+        path + ".scattering.albedo is 1, which makes scattering infinite; it must be below 1");
 }
 
 void check_sensor(const Scene& scene, Issues& issues) {
@@ -185,10 +184,10 @@ void check_sensor(const Scene& scene, Issues& issues) {
             "too many on average; {}",
             resolved_levels(sensor).black_level * resolved_levels(sensor).gain, sensor.read_noise,
             dark_pixel_excess(sensor),
-            sensor.black_level > 0 ? "raise it, or give 0 for enough" : "use more bits"));
+            sensor.black_level > 0 ? "raise it, or give 0 for automatic" : "use more bits"));
   if (sensor.hot_pixels + sensor.dead_pixels > 1)
     issues.error("camera.sensor.dead_pixels",
-                 "camera.sensor.hot_pixels and dead_pixels are together more than all pixels");
+                 "the sum of camera.sensor.hot_pixels and dead_pixels is above 1; reduce them");
   if (sensor.mosaic != MosaicPattern::none && scene.channels.size() < 3)
     issues.error("camera.sensor.mosaic",
                  fmt::format("camera.sensor.mosaic needs three channels, red, green and blue; the "

@@ -26,14 +26,12 @@ void check_line(const Scene& scene, const FlameSpec& flame, const LineSpec& line
                 const std::string& path, Issues& issues) {
   const bool custom = line.kind == LineKind::custom;
   if (custom && !(line.wavelength > 0)) {
-    issues.error(path, path +
-                           " needs a wavelength, or the kind of a line that is known, such as "
-                           "kind = \"ch\"");
+    issues.error(path,
+                 path + " needs a wavelength, or the kind of a known line, such as kind = \"ch\"");
     return;
   }
   if (!custom && line.wavelength != 0)
-    issues.warning(path + ".wavelength",
-                   path + ".wavelength is not used: the line's kind says where it is");
+    issues.warning(path + ".wavelength", path + ".wavelength is not used: the line's kind sets it");
   if (custom && line.emission.grid.empty())
     issues.error(path, path + " needs a grid of the flame's file; set grid = \"NAME\"");
   const std::string width = path + ".width";
@@ -71,8 +69,8 @@ void check_grids(const FlameSpec& flame, const std::string& path, Issues& issues
     for (std::size_t before = 0; before < l; ++before) {
       if (!count_the_same(flame.lines[before], flame.lines[l])) continue;
       const std::string line = fmt::format("{}[{}]", path, l);
-      issues.warning(line, fmt::format("{} reads the same grid as {}[{}]: its light counts twice; "
-                                       "give each a grid of its own, or a scale",
+      issues.warning(line, fmt::format("{} reads the same grid as {}[{}], so its light counts "
+                                       "twice; give each its own grid, or a scale",
                                        line, path, before));
       break;
     }

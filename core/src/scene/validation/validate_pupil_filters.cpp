@@ -46,10 +46,11 @@ bool check_filter(const PupilFilterSpec& filter, std::size_t i, Issues& issues) 
   const std::size_t errors = issues.errors();
   const std::string path = path_of(i), what = in_words(filter, i);
   if (filter.shape == PupilPartShape::sector && !(filter.inner < filter.outer))
-    issues.error_among({path + ".inner", path + ".outer"},
-                       fmt::format("{} reaches from {:g} to {:g} radii of the stop; its outer "
-                                   "radius must be the larger one",
-                                   what, filter.inner, filter.outer));
+    issues.error_among(
+        {path + ".inner", path + ".outer"},
+        fmt::format(
+            "{} reaches from {:g} to {:g} radii of the stop; its outer radius must be larger", what,
+            filter.inner, filter.outer));
   if (filter.shape == PupilPartShape::polygon && filter.corners.size() < 3)
     issues.error_among({path + ".corners", path + ".shape"},
                        what + " is a polygon and needs three corners or more");
@@ -63,9 +64,8 @@ bool check_filter(const PupilFilterSpec& filter, std::size_t i, Issues& issues) 
                   [&] { static_cast<void>(parse_filter_points(filter.transmission)); });
   if (issues.errors() != errors) return false;
   if (PupilFilters({filter}).areas().front() < kNothing)
-    issues.error_among(
-        {path + ".corners", path + ".inner", path},
-        what + " lies outside of the stop, whose radius is 1; it would cover nothing");
+    issues.error_among({path + ".corners", path + ".inner", path},
+                       what + " lies outside of the stop, whose radius is 1, and covers nothing");
   return issues.errors() == errors;
 }
 
@@ -111,8 +111,8 @@ void check_pupil_filters(const Scene& scene, Issues& issues) {
   }
   for (const std::size_t c : dark) {
     const std::string path = fmt::format("channels[{}].kind", c);
-    const std::string what = "none of the pupil filters lets anything through of channel " +
-                             quote_for_message(scene.channels[c].name);
+    const std::string what =
+        "no pupil filter transmits light of channel " + quote_for_message(scene.channels[c].name);
     if (dark.size() == scene.channels.size())
       issues.warning(path, what + ", so its picture is black");
     else

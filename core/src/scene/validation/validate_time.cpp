@@ -13,7 +13,7 @@ void check_flame_time(const FlameSpec& flame, const std::string& path, const std
   if (flame.kind != FlameKind::vdb) {
     if (time.is_series())
       issues.error(path + ".frame_rate",
-                   what + " is layered, and a series of files is of kind \"vdb\"");
+                   what + " is layered, but a series of files needs kind = \"vdb\"");
     return;
   }
   if (time.is_series() && digits == 0 && !flame.file.empty())
@@ -22,14 +22,14 @@ void check_flame_time(const FlameSpec& flame, const std::string& path, const std
                                      "digit of its files' numbers, such as \"run_####.vdb\"");
   // A single # may be part of a file's name.
   if (!time.is_series() && digits > 1)
-    issues.error(path + ".file", quote_for_message(flame.file) +
-                                     " is a series of files; say how many of them belong to a "
-                                     "second, such as frame_rate = \"1 kHz\"");
+    issues.error(
+        path + ".file",
+        quote_for_message(flame.file) +
+            " is a series of files; give their number per second, such as frame_rate = \"1 kHz\"");
   if (!time.is_series() && time.first_frame >= 0)
-    issues.error(path + ".first_frame",
-                 what +
-                     " has a first_frame and no frame_rate; say how many files belong to a "
-                     "second, such as frame_rate = \"1 kHz\"");
+    issues.error(path + ".first_frame", what +
+                                            " has a first_frame and no frame_rate; give the number "
+                                            "of files per second, such as frame_rate = \"1 kHz\"");
 }
 
 }  // namespace plenoflame

@@ -173,9 +173,8 @@ void check_windows(const Scene& scene, Issues& issues) {
   for (const FlameSpec& flame : scene.flames) lit = lit || flame.scattering.present();
   if (lit)
     issues.warning("windows",
-                   "light on its way from its source to a surface or to smoke that sends it on "
-                   "passes the windows straight and without loss; only rays of the camera are "
-                   "refracted",
+                   "windows refract only rays of the camera: light from sources to surfaces and "
+                   "scattering flames passes them straight and without loss",
                    IssueCode::straight_light);
 }
 

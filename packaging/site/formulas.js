@@ -1,0 +1,2 @@
+// KaTeX typesets the formulas, which Arithmatex marks as \(...\) and \[...\].
+renderMathInElement(document.body);
