@@ -31,7 +31,7 @@ class ScoreTests {
     }
     std::vector<double> left = left_of(change);
     const double information = product(left, change);
-    // What the flame follows all but entirely is not tested.
+    // A change that the flame follows almost entirely is not tested.
     if (!(information > kLeastLeft * own)) return;
     Suspect suspect{kind, view};
     suspect.estimate = product(left, model_.residual) / information;
@@ -77,8 +77,8 @@ class ScoreTests {
   static constexpr int kMostNamed = 3;
   /// Standard deviations. Grids and pictures leave more than noise, so that 4 were false alarms.
   static constexpr double kSignificant = 6;
-  /// Of the misfit beyond noise: what explains less of it is an accident of the grid, whose misfit
-  /// has many pixels in common and is no noise.
+  /// Share of the misfit beyond noise. Less of it may be explained by chance: the grid's misfit is
+  /// shared by many pixels and is no noise.
   static constexpr double kLeastExplained = 0.1;
 
   double product(std::span<const double> a, std::span<const double> b) const {
@@ -88,7 +88,7 @@ class ScoreTests {
     return sum;
   }
 
-  /// Of what those that are named leave; -1: none is significant.
+  /// The most significant of those that explain what the named ones leave; -1: there is none.
   Eigen::Index most_significant(const Eigen::MatrixXd& information, const Eigen::VectorXd& score,
                                 const std::vector<Eigen::Index>& named) const {
     Eigen::Index best = -1;
@@ -137,8 +137,8 @@ class ScoreTests {
   std::vector<std::vector<double>> changes_, left_;
 };
 
-/// Change of the rows of a view for a quantity of its camera that is larger by 1: the difference of
-/// two cameras whose rays have the same points of the sampler.
+/// Change of the rows of a view for a quantity of its camera that is larger by 1. It is the
+/// difference of two cameras whose rays have the same points of the sampler.
 std::vector<double> change_of_rows(const TestedModel& model, std::size_t view, SuspectKind kind,
                                    double step, std::span<const double> x,
                                    const Execution& execution) {

@@ -20,9 +20,9 @@ struct TestedModel {
 };
 
 /// Tests what the pictures say of exposure, stray light, place, turn and focus of each camera, with
-/// the flame free to follow (docs/theory/reconstruction.md). Those that explain the misfit are
-/// named, one after the other, until no other is significant. Exposures are told by several cameras
-/// only; cameras that are compiled are not displaced.
+/// the flame free to follow (docs/theory/reconstruction.md). Quantities that explain the misfit
+/// are named, one after the other, until no other is significant. Exposures are told by several
+/// cameras only; cameras that are compiled are not displaced.
 /// @param accuracy of one solution for each quantity @throws Cancelled
 std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
                                 const ProbeAccuracy& accuracy, const Execution& execution);

@@ -112,8 +112,9 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
   return empty;
 }
 
-/// Share of each view's light in pixels of no row, where it is above their noise by five standard
-/// deviations: the block of the unknowns cuts the flame. Nothing where other things shine.
+/// Share of each view's light in pixels of no row, or 0 within five standard deviations of their
+/// noise. Such light tells that the block of the unknowns cuts the flame. Empty where other things
+/// shine.
 std::vector<double> light_outside(const std::vector<CameraView>& views,
                                   const std::vector<Measurement>& measurements,
                                   const CameraRays& rays, int bin) {
@@ -276,7 +277,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     // Only places with light bend: the amplitude that the strength tells in the mean of all is
     // theirs, and larger.
     double strength = share_of_lit(result.at_places, result.solved) * result.strength;
-    // One camera sees how fine the structure is, and not how much light is at which depth: its
+    // One camera sees how fine the structure is, and not how much light is at which depth. Its
     // prior has to allow a flame as bright as the one that was found.
     if (input.views.size() == 1)
       strength = std::min(
@@ -306,7 +307,7 @@ PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const Scale
   return spread;
 }
 
-/// Of places that are asked for, and of the brightest one.
+/// Point spreads of the places that the input names, and of the brightest one.
 void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
                  const ReconstructionSettings& settings, std::span<const double> b,
                  const Execution& execution, Reconstruction& result) {

@@ -101,13 +101,13 @@ struct Reconstruction {
   /// Samples of each unknown: source function [W/(m^2 sr)] where the absorption is known, else
   /// emission [W/(m^3 sr)].
   std::vector<double> values;
-  /// What these samples say of the flame at the places of the unknowns: values_at_places().
+  /// The flame at the places of the unknowns, from these samples: values_at_places().
   std::vector<double> at_places;
-  /// Standard deviations of that (uncertainty.h), times noise_factor; empty: not asked for, or the
+  /// Standard deviations of that (uncertainty.h), times noise_factor; empty: no draws, or the
   /// solver has no quadratic penalty.
   std::vector<double> deviation;
   /// Root of chi^2 over the rows less the unknowns that they determine; at least 1. Above 1 the
-  /// pictures differ from the model by so many times their noise.
+  /// pictures differ from the model by this multiple of their noise.
   double noise_factor = 1;
   /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
   std::vector<double> resolved;
@@ -139,9 +139,9 @@ struct Reconstruction {
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
-  /// Of the unknown that shines most: its widths are the resolution. Empty as `resolved`.
+  /// That of the unknown that shines most: its widths are the resolution. Empty as `resolved`.
   std::vector<PointSpread> resolution;
-  /// What may be wrong with the cameras, those first that the pictures name; empty: not asked for.
+  /// Faults of the cameras, those first that the pictures name; empty: no test of the model.
   std::vector<Suspect> suspects;
   /// Per view: share of the light that pixels see which look past all unknowns, where it is above
   /// its noise. Light of lamps and surfaces is not told from it: none then.

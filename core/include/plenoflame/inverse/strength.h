@@ -30,9 +30,10 @@ struct StrengthRange {
 };
 
 /// The strength of least generalised cross-validation (Golub, Heath and Wahba 1979), of the problem
-/// without bounds. The number m is that of independent errors: of rows, and at most five for each
-/// unknown, as errors of a lattice are shared by the pixels that see them. Strengths are tried from the strongest to the weakest, until two in a row are
-/// worse than the best; then others about the best one.
+/// without bounds. The number m is that of independent errors: of rows, but at most five for each
+/// unknown. Errors of a lattice are shared by the pixels that see them. Strengths are tried from
+/// the strongest to the weakest, until two in a row are worse than the best; then others about the
+/// best one.
 /// @param unit the absolute strength for a relative one of 1, e.g. penalty_unit()
 /// @param options start, end and watch of the solutions; the range has their iterations
 /// @throws UsageError for an empty range

@@ -8,12 +8,12 @@
 #include "plenoflame/inverse/solvers.h"
 
 /// The worth of a regularised solution: how much of it comes from the data, and how uncertain it
-/// is. The penalty is a Gaussian prior, of the inverse covariance strength L^T L: deviations are
-/// those of the posterior, whose covariance is N^-1 with N = A^T W^2 A + strength L^T L. What the
-/// penalty takes away is in them, as far as the prior holds. Bounds of the solution play no part.
+/// is. The penalty is a Gaussian prior, whose inverse covariance is strength L^T L. Deviations are
+/// those of the posterior, whose covariance is N^-1 with N = A^T W^2 A + strength L^T L. They hold
+/// what the penalty takes away, as far as the prior holds. Bounds of the solution play no part.
 namespace plenoflame {
 
-/// Of linear algebra.
+/// Resolution and deviations by linear algebra.
 struct Uncertainty {
   /// Diagonal of the resolution matrix N^-1 A^T W^2 A: 1 where the data alone decide, 0 where they
   /// say nothing.
@@ -37,7 +37,7 @@ Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisati
                                 const ProbeAccuracy& accuracy = {});
 
 /// Draws of the posterior about its mean, by perturbing data and prior (Papandreou and Yuille
-/// 2010): the solution, from 0, for data that are noise and a prior that is noise. 30 draws tell a
+/// 2010). A draw is the solution, from 0, for data and a prior that are noise. 30 draws tell a
 /// deviation to 13 %.
 /// @param draws at least 1 @param use called with each of them
 void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation, int draws,

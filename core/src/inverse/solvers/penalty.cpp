@@ -108,7 +108,7 @@ class SecondDifferences {
  public:
   explicit SecondDifferences(const PenaltyGrid& grid) : grid_(grid), stride_(strides(grid)) {}
 
-  /// Of an unknown and its neighbours along an axis.
+  /// The difference of an unknown and its neighbours along an axis.
   void add_along(const std::array<int, 3>& at, std::size_t axis, DifferenceOperator& to) const {
     const double scale = axis_scale(grid_, axis, 2);
     std::vector<DifferenceOperator::Term> row{{number(at), -2 * scale}};

@@ -21,8 +21,8 @@ double counted_rows(const LinearProblem& problem) {
                                            [](double w) { return w > 0; }));
 }
 
-/// Independent errors for each unknown, at most: those of a lattice have as many degrees of freedom
-/// as it has, whatever the number of rows that see them. That was chosen by experiment.
+/// Independent errors for each unknown, at most. Errors of a lattice have as many degrees of
+/// freedom as it has, whatever the number of rows that see them. Experiments chose it.
 constexpr double kErrorsOfUnknown = 5;
 
 double independent_errors(const LinearProblem& problem) {
@@ -71,7 +71,7 @@ class Trials {
   }
 
   /// @param from number of the trial whose solution it begins with; the last one's without it
-  /// @return false after a stop; what was tried before is kept
+  /// @return false after a stop; earlier trials are kept
   bool attempt(double strength, std::size_t from) {
     try {
       penalty_.strength = strength * unit_;
@@ -79,7 +79,7 @@ class Trials {
       Solution solution = solve_cgls(problem_, penalty_, options_, execution_);
       const double left =
           independent_errors(problem_) - influence(problem_, penalty_, range_, execution_);
-      // What a stop cuts short tells no trace.
+      // A probe that a stop cuts short tells no trace.
       if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();
       curve_.push_back(
@@ -100,7 +100,7 @@ class Trials {
     return best;
   }
   double strength(std::size_t trial) const { return curve_[trial].strength; }
-  /// The next stronger or weaker one that was tried; 0: there is none.
+  /// The next stronger or weaker one of all trials; 0: there is none.
   double neighbour(std::size_t trial, bool stronger) const {
     double found = 0;
     for (const StrengthPoint& point : curve_)
