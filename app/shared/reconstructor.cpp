@@ -357,7 +357,7 @@ std::vector<double> Reconstructor::samples_of(const EarlierResult& result) const
   std::vector<double> values = result.emission;
   for (std::size_t j = 0; j < absorption_.size(); ++j)
     values[j] = absorption_[j] > 0 ? values[j] / absorption_[j] : 0;
-  return values;
+  return samples_of_places(*unknowns_, values);
 }
 
 ReconstructResult Reconstructor::frame(

@@ -90,5 +90,24 @@ TEST(ValuesAtPlaces, AtACentreAndOfConstantVoxels) {
   EXPECT_EQ(values_at_places(*make_voxel_unknowns(lattice), samples, {}), samples);
 }
 
+// Samples that change as fast as they can, with an empty one among them.
+TEST(ValuesAtPlaces, TellTheirSamples) {
+  RegularLattice lattice = line_of(5);
+  lattice.count = {5, 6, 7};
+  const auto unknowns = make_voxel_unknowns(lattice);
+  std::vector<double> samples;
+  for (int j = 0; j < 210; ++j) samples.push_back(3 + std::sin(1.7 * j * j));
+  std::vector<char> solved(samples.size(), 1);
+  samples[100] = solved[100] = 0;
+  const std::vector<double> found =
+      samples_of_places(*unknowns, values_at_places(*unknowns, samples, solved));
+  for (std::size_t j = 0; j < samples.size(); ++j) {
+    if (j == 100)
+      EXPECT_EQ(found[j], 0);
+    else
+      EXPECT_TRUE(relative(found[j], samples[j], 1e-5)) << j;
+  }
+}
+
 }  // namespace
 }  // namespace plenoflame::test::values_at_places_test

@@ -43,6 +43,8 @@ class Unknowns {
 /// @param solved unknowns of which it is 0 are and stay empty; empty: none
 std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const double> samples,
                                      const std::vector<char>& solved);
+/// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.
+std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const double> values);
 
 /// Voxels of a regular lattice.
 /// @throws InputError for a singular transform or an axis without samples

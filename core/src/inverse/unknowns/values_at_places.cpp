@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "plenoflame/inverse/unknowns.h"
 
 namespace plenoflame {
@@ -22,6 +24,20 @@ std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const d
   for (std::size_t j = 0; j < solved.size(); ++j)
     if (solved[j] == 0) values[j] = samples[j];
   return values;
+}
+
+std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const double> values) {
+  // Each brings the fastest change of three axes nearer by a factor 0.7, and slow ones by far more.
+  constexpr int kIterations = 40;
+  std::vector<char> solved;
+  for (const double value : values) solved.push_back(value > 0);
+  std::vector<double> samples(values.begin(), values.end());
+  for (int k = 0; k < kIterations; ++k) {
+    const std::vector<double> reached = values_at_places(unknowns, samples, solved);
+    for (std::size_t j = 0; j < samples.size(); ++j) samples[j] += values[j] - reached[j];
+  }
+  for (double& sample : samples) sample = std::max(sample, 0.0);
+  return samples;
 }
 
 }  // namespace plenoflame
