@@ -22,18 +22,19 @@ LIMITS = {
     "docs/benchmarks.md": (0, 0, 0, 0, 0),
     "docs/developer": (0, 0, 0, 0, 0),
     "docs/numerics.md": (0, 0, 0, 0, 0),
-    "docs/reconstruct.md": (34, 12, 4, 1, 1),
+    "docs/reconstruct.md": (10, 1, 1, 0, 0),
     "docs/reference": (0, 0, 0, 0, 0),
     "docs/theory": (0, 0, 0, 0, 0),
-    "docs/theory/reconstruction.md": (21, 4, 0, 0, 1),
+    "docs/theory/reconstruction.md": (13, 1, 0, 0, 0),
     "docs/user": (0, 0, 0, 0, 0),
-    "docs/validation.md": (9, 0, 0, 0, 1),
-    "core (comments)": (506, 69, 36, 0, 61),
+    "docs/user/operators.md": (12, 5, 2, 0, 0),
+    "docs/validation.md": (8, 0, 0, 0, 1),
+    "core (comments)": (504, 69, 33, 0, 61),
     "volumes (comments)": (26, 4, 1, 0, 0),
-    "app (comments)": (89, 16, 25, 0, 2),
+    "app (comments)": (89, 16, 24, 0, 2),
 }
 GENERATED = ("docs/reference/", "docs/benchmarks.md", "docs/numerics.md", "docs/validation.md")
-WAITING = ("docs/reconstruct.md", "docs/theory/reconstruction.md")  # pages to be rewritten, which count in rows of their own
+WAITING = ("docs/reconstruct.md", "docs/theory/reconstruction.md", "docs/user/operators.md")  # pages to be rewritten, which count in rows of their own
 SOURCES = ("core", "volumes", "app")
 OPENING = re.compile(r"^(Of|What|That of|Those|So many|As far|Whether|Where)\b")
 DIARY = re.compile(r"\b(was tried|were tried|asked for|was asked|next time|not reached|fell short|falls short)\b", re.I)

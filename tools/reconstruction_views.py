@@ -46,7 +46,6 @@ def main():
     parser.add_argument("--grid", nargs="+", default=["32", "64"], help="voxels along the longest side; 64 want 16 cores and 60 GB")
     parser.add_argument("--rays", default="64")
     parser.add_argument("--samples", default="1024")
-    parser.add_argument("--noise", default="0.001", help="what the model may err by: the scene is known here, the voxels are finite")
     parser.add_argument("--memory", default="12000")
     parser.add_argument("--cameras", type=int, nargs="+", default=[1, 3, 6], choices=list(CAMERAS))
     parser.add_argument("--page", help="whose section is written anew; without it, it is printed")
@@ -68,7 +67,7 @@ def main():
         for grid, count in ((grid, count) for grid in options.grid for count in options.cameras):
             chosen = [word for name in CAMERAS[count] for word in ("--camera", name)]
             found = json.loads(run("reconstruct", "six.toml", *chosen, "--images", *[f"{name}.exr" for name in CAMERAS[count]],
-                                   "--absorption", "scene", "--noise", options.noise, "--grid", grid, "--rays", options.rays, "--memory", options.memory,
+                                   "--absorption", "scene", "--grid", grid, "--rays", options.rays, "--memory", options.memory,
                                    "--draws", "0", "--probes", "0", "--truth", "--quiet", "--json", "-o", "x.vdb"))
             emission, temperature = SLICE[count]
             rows += (f"| {grid} | {count} | {found['rows']} | {found['chi_squared']:.2f} | {emission} | "
@@ -78,7 +77,7 @@ def main():
 `tools/reconstruction_views.py`: the same flame as the slice's, as an ellipsoid of {2 * SEMI_AXES[0]} x {2 * SEMI_AXES[1]} x \
 {2 * SEMI_AXES[2]} mm in {SHELLS} exact shells, 1 m away from cameras like those of `examples/ring-of-six.toml`, 100 x 180 pixels,
 with the noise of a sensor of 20000 electrons; voxels are counted along the longest side, {options.rays} rays a pixel and
-microlens, `--noise {options.noise}`, strength by the discrepancy. Errors in per cent, beside those of one slice with the best strength by the truth at 30 and 20 dB.
+microlens. Errors in per cent, beside those of one slice with the best strength by the truth at 30 and 20 dB.
 
 Asked of six cameras: less than 8 % of emission and 1.5 % of temperature. With 64^3 voxels noise has more room, and emission misses it.
 

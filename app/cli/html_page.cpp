@@ -81,7 +81,8 @@ std::string png_of(const HeatMap& map) {
     for (int column = 0; column < map.width; ++column) {
       const double value = map.values[static_cast<std::size_t>(row * map.width + column)];
       const double share = map.high > map.low ? (value - map.low) / (map.high - map.low) : 0;
-      const auto colour = colour_of(std::isfinite(share) ? share : 0, map.signed_values);
+      const auto colour =
+          std::isfinite(share) ? colour_of(share, map.signed_values) : std::array{0.6, 0.6, 0.6};
       std::uint32_t pixel = 0;
       for (const double part : colour)
         pixel = pixel << 8 | static_cast<std::uint32_t>(std::lround(255 * part));

@@ -11,7 +11,7 @@ namespace plenoflame::cli {
 struct HeatMap {
   std::string title, unit;
   int width = 0, height = 0;
-  std::vector<double> values;
+  std::vector<double> values;  ///< grey where they are no numbers
   double low = 0, high = 1;    ///< ends of the colours
   bool signed_values = false;  ///< 0 is white, with a colour on either side
   double aspect = 1;           ///< of a value: its height over its width

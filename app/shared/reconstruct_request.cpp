@@ -63,9 +63,7 @@ void refuse(bool wrong, const std::string& option, const std::string& why) {
 void check_words(const ReconstructRequest& request) {
   check_choice("--find", request.find, {"emission", "temperature", "both"});
   check_choice("--solver", request.solver, reconstruction_solvers());
-  check_choice("--penalty", request.penalty, {"", "none", "identity", "gradient", "curvature"});
   check_choice("--form", request.form, {"auto", "matrix", "rays", "drawn"});
-  check_choice("--rule", request.rule, {"", "discrepancy", "gcv", "l-curve"});
   check_unknowns(request.unknowns);
 }
 
@@ -77,25 +75,14 @@ void check_solver(const ReconstructRequest& request, ReconstructionSolver solver
     if (request.strength >= 0 || prior)
       throw UsageError(name +
                        " has no penalty: neither --strength nor --prior means anything to it");
-    for (const auto& [option, text] : {std::pair{"--penalty", request.penalty},
-                                       {"--rule", request.rule},
-                                       {"--smoothing", request.smoothing}})
-      refuse(given(text), option, "means nothing to " + name + ", which has no penalty");
+    refuse(given(request.smoothing), "--smoothing",
+           "means nothing to " + name + ", which has no penalty");
   }
   const bool stops = solver == ReconstructionSolver::tv || !is_penalised(solver);
   refuse(stops && !request.spreads.empty(), "--spread",
          "is for penalties that are squares: " + name + " has no resolution matrix");
-  refuse(solver == ReconstructionSolver::tv && !request.penalty.empty(), "--penalty",
-         "means nothing to --solver tv, whose penalty is the total variation");
-  refuse(solver == ReconstructionSolver::tv && request.rule == "gcv" && request.strength < 0,
-         "--rule gcv", "is for penalties that are squares, not for --solver tv");
-  if (request.penalty == "none")
-    refuse(request.strength >= 0 || prior || !request.smoothing.empty() || !request.rule.empty(),
-           "--penalty none", "leaves nothing for --strength, --rule, --smoothing and --prior");
-  refuse(request.penalty == "identity" && !request.smoothing.empty(), "--smoothing",
-         "weights differences, which --penalty identity has none of");
-  refuse(request.strength >= 0 && !request.rule.empty(), "--rule",
-         "chooses the strength that --strength gives");
+  if (solver == ReconstructionSolver::tv && request.strength < 0)
+    throw UsageError("--solver tv needs --strength: usual values are 0.1 to 10");
   const bool subsets = solver == ReconstructionSolver::sart || solver == ReconstructionSolver::osem;
   refuse(!subsets && !request.subsets.empty(), "--subsets", "is for sart and osem");
   const bool relaxed = solver == ReconstructionSolver::sirt ||
@@ -160,8 +147,6 @@ void set_option(ReconstructRequest& request, const std::string& name, const std:
                                                   {"find", &request.find},
                                                   {"channel", &request.channel},
                                                   {"solver", &request.solver},
-                                                  {"penalty", &request.penalty},
-                                                  {"rule", &request.rule},
                                                   {"smoothing", &request.smoothing},
                                                   {"absorption-ratios", &request.ratio},
                                                   {"start", &request.start},
@@ -204,15 +189,8 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   result.rays.seed = seed;
   rows_option(request.bin, request.cells, result.rays);
   result.solver = solvers().at(request.solver);
-  result.penalty = request.penalty == "none"        ? ReconstructionPenalty::none
-                   : request.penalty == "identity"  ? ReconstructionPenalty::identity
-                   : request.penalty == "curvature" ? ReconstructionPenalty::curvature
-                                                    : ReconstructionPenalty::gradient;
   result.penalty_axes = smoothing_of(request);
   result.strength = request.strength;
-  result.rule = request.rule == "gcv"       ? StrengthRule::gcv
-                : request.rule == "l-curve" ? StrengthRule::l_curve
-                                            : StrengthRule::discrepancy;
   result.iterations = whole_number_option("--iterations", request.iterations, 1, 1000000);
   if (!request.subsets.empty())
     result.subsets = whole_number_option("--subsets", request.subsets, 1, 1000);

@@ -27,11 +27,11 @@ struct EarlierResult {
 struct ReconstructRequest {
   std::vector<std::string> spreads;
   UnknownsRequest unknowns;
-  std::string find = "emission", channel, solver = "fista", penalty, rule, smoothing, ratio;
+  std::string find = "emission", channel, solver = "fista", smoothing, ratio;
   std::string start, resume, prior, support;  ///< files
-  std::string rays = "64", iterations = "300", draws = "20", probes = "16", bin = "1", cells = "3",
+  std::string rays = "64", iterations = "300", draws = "30", probes = "16", bin = "1", cells = "3",
               seed, subsets, memory = "2000", form = "auto";
-  double strength = -1, noise = 0.003, relaxation = -1;
+  double strength = -1, noise = 0, relaxation = -1;
   bool all = false, truth = false;
   /// In place of files.
   std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;

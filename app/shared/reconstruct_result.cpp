@@ -11,6 +11,7 @@
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/scene/pupil_transmission.h"
 #include "plenoflame/volumes/grid_writer.h"
+#include "reconstruct_verdict.h"
 #include "unknowns_request.h"
 
 namespace plenoflame {
@@ -127,6 +128,36 @@ void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const
                "truth_absorption_error", errors.absorption);
 }
 
+namespace {
+
+/// "0.5 mm x 4 mm" along the axes of the unknowns.
+std::string widths_of(const PointSpread& spread, const Unknowns& unknowns) {
+  std::vector<std::string> widths;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (unknowns.shape()[a] > 1)
+      widths.push_back(std::isfinite(spread.widths[a])
+                           ? readable(spread.widths[a], Dimension::length)
+                           : "the whole grid");
+  return fmt::format("{}", fmt::join(widths, " x "));
+}
+
+std::string readable_place(Vec3 p) {
+  return fmt::format("{}, {}, {}", readable(p.x, Dimension::length),
+                     readable(p.y, Dimension::length), readable(p.z, Dimension::length));
+}
+
+nlohmann::json json_of(const PointSpread& spread, const Unknowns& unknowns) {
+  nlohmann::json widths = nlohmann::json::array();
+  for (std::size_t a = 0; a < 3; ++a)
+    if (unknowns.shape()[a] > 1)
+      widths.push_back(std::isfinite(spread.widths[a]) ? nlohmann::json(spread.widths[a])
+                                                       : nlohmann::json());
+  const Vec3 p = spread.place;
+  return {{"place", {p.x, p.y, p.z}}, {"widths", widths}, {"peak", spread.peak}};
+}
+
+}  // namespace
+
 void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
                            const Unknowns& unknowns, Report& report) {
   const auto count = [](std::size_t n) { return std::to_string(n); };
@@ -156,6 +187,11 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
                reconstruction.strength);
   report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
              reconstruction.chi_squared);
+  if (reconstruction.noise_factor > 1)
+    report.add_text("model", fmt::format("the pictures differ from it by {:.3g} times their noise; "
+                                         "the deviations hold that",
+                                         reconstruction.noise_factor));
+  report.add_json("noise_factor", reconstruction.noise_factor);
   if (reconstruction.rendered_chi_squared >= 0)
     report.add("as rendered",
                "chi^2 per row " + readable_number(reconstruction.rendered_chi_squared) +
@@ -169,7 +205,7 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
     trials.push_back({{"strength", trial.strength},
                       {"chi_squared", trial.chi_squared},
                       {"penalty", trial.penalty},
-                      {"gcv", trial.gcv < 0 ? nlohmann::json() : nlohmann::json(trial.gcv)}});
+                      {"gcv", trial.gcv}});
   report.add_json("trials", trials);
   report.add_json("strength_at_end", reconstruction.strength_at_end);
   report.add_json("explained_by_noise", reconstruction.explained_by_noise);
@@ -186,53 +222,58 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
         "resolved_unknowns", reconstruction.resolved_unknowns);
   nlohmann::json spreads = nlohmann::json::array();
   for (const PointSpread& spread : reconstruction.spreads) {
-    std::vector<std::string> widths;
-    nlohmann::json json_widths = nlohmann::json::array();
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (unknowns.shape()[a] < 2) continue;
-      const bool known = std::isfinite(spread.widths[a]);
-      widths.push_back(known ? readable(spread.widths[a], Dimension::length) : "the whole grid");
-      json_widths.push_back(known ? nlohmann::json(spread.widths[a]) : nlohmann::json());
-    }
-    const Vec3 p = spread.place;
-    report.add_text(
-        "point spread",
-        fmt::format("{} wide, {} of the point stay, at {}, {}, {}", fmt::join(widths, " x "),
-                    readable_percent(spread.peak), readable(p.x, Dimension::length),
-                    readable(p.y, Dimension::length), readable(p.z, Dimension::length)));
-    spreads.push_back({{"place", {p.x, p.y, p.z}}, {"widths", json_widths}, {"peak", spread.peak}});
+    report.add_text("point spread",
+                    fmt::format("{} wide, {} of the point stay, at {}", widths_of(spread, unknowns),
+                                readable_percent(spread.peak), readable_place(spread.place)));
+    spreads.push_back(json_of(spread, unknowns));
   }
+  for (const PointSpread& spread : reconstruction.resolution)
+    report.add(
+        "resolution",
+        widths_of(spread, unknowns) + " where it is brightest, at " + readable_place(spread.place),
+        "resolution", json_of(spread, unknowns));
   if (!spreads.empty()) report.add_json("point_spreads", spreads);
   // Weighted by what emits, as what does not emit has no temperature.
-  double weight = 0, sum = 0, deviation = 0, hottest = 0, brightest = 0, error = 0, power = 0;
+  double weight = 0, sum = 0, hottest = 0, brightest = 0;
   for (std::size_t j = 0; j < estimate.emission.size(); ++j) {
-    const double w = unknowns.volume(j) * estimate.emission[j];
     brightest = std::max(brightest, estimate.emission[j]);
-    power += w;
-    if (!estimate.emission_deviation.empty())
-      error += unknowns.volume(j) * estimate.emission_deviation[j];
     if (estimate.temperature.empty() || !(estimate.temperature[j] > 0)) continue;
-    weight += w;
-    sum += w * estimate.temperature[j];
+    weight += unknowns.volume(j) * estimate.emission[j];
+    sum += unknowns.volume(j) * estimate.emission[j] * estimate.temperature[j];
     hottest = std::max(hottest, estimate.temperature[j]);
-    if (!estimate.temperature_deviation.empty()) deviation += w * estimate.temperature_deviation[j];
   }
+  const MeanDeviations deviations = mean_deviations(estimate, unknowns);
   report.add("emission", fmt::format("{:.4g} W/(m^3 sr) at most", brightest), "largest_emission",
              brightest);
-  if (!estimate.emission_deviation.empty() && power > 0)
-    report.add("its deviation", readable_percent(error / power) + ", mean, of the noise",
-               "emission_deviation", error / power);
+  if (deviations.emission)
+    report.add("its deviation", readable_percent(*deviations.emission) + ", mean",
+               "emission_deviation", *deviations.emission);
   if (weight > 0) {
     report.add("temperature",
                readable(sum / weight, Dimension::temperature) + " mean, weighted by emission; " +
                    readable(hottest, Dimension::temperature) + " at most",
                "mean_temperature_K", sum / weight);
     report.add_json("highest_temperature_K", hottest);
-    if (!estimate.temperature_deviation.empty())
+    if (deviations.temperature)
       report.add("its deviation",
-                 readable(deviation / weight, Dimension::temperature) + ", mean, of the noise",
-                 "temperature_deviation_K", deviation / weight);
+                 readable(*deviations.temperature, Dimension::temperature) + ", mean",
+                 "temperature_deviation_K", *deviations.temperature);
   }
+}
+
+void report_suspects(const Reconstruction& figures, const std::vector<std::string>& cameras,
+                     Report& report) {
+  static constexpr const char* kNames[] = {"exposure", "stray_light", "right",
+                                           "up",       "turn",        "focus"};
+  nlohmann::json suspects = nlohmann::json::array();
+  for (const Suspect& suspect : figures.suspects)
+    suspects.push_back({{"quantity", kNames[static_cast<int>(suspect.kind)]},
+                        {"camera", cameras.at(suspect.view)},
+                        {"estimate", suspect.estimate},
+                        {"deviation", suspect.deviation},
+                        {"named", suspect.named}});
+  report.add_json("suspects", suspects);
+  report.add_json("light_outside", figures.light_outside);
 }
 
 void report_scale(const ReconstructResult& result, const SourceFunction* source,

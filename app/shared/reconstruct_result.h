@@ -53,6 +53,10 @@ FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Un
 void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
                    Report& report);
 
+/// The tests of the cameras, named or not. @param cameras their names
+void report_suspects(const Reconstruction& figures, const std::vector<std::string>& cameras,
+                     Report& report);
+
 /// Adds what the common error of the pictures' light does to emission, and to the temperature that
 /// follows from it by the channel's source function. @param source nullptr: it does not follow so
 void report_scale(const ReconstructResult& result, const SourceFunction* source,

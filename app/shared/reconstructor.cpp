@@ -14,6 +14,7 @@
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
+#include "reconstruct_verdict.h"
 
 namespace plenoflame {
 namespace {
@@ -65,19 +66,10 @@ void warn_single_camera(const Reconstruction& result, const Unknowns& unknowns, 
   execution.warn(text);
 }
 
-/// True if weaker penalties were tried and explained hardly more.
-bool at_any_strength(const Reconstruction& figures) {
-  constexpr double kHardly = 1.25;
-  return !figures.trials.empty() &&
-         std::none_of(figures.trials.begin(), figures.trials.end(), [&](const auto& trial) {
-           return kHardly * trial.chi_squared < figures.chi_squared;
-         });
-}
-
 /// Reasons beside the model for pictures that are not explained.
 std::string what_else_may_be(const Reconstruction& figures) {
   if (figures.reason == StopReason::iterations) return "more --iterations may explain more, or ";
-  if (figures.strength > 0 && !at_any_strength(figures)) return "the strength is too large, or ";
+  if (figures.trials.empty() && figures.strength > 0) return "--strength is too large, or ";
   return "";
 }
 
@@ -92,11 +84,9 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
   if (!figures.complete) return;
   if (!figures.explained_by_noise)
     execution.warn(
-        fmt::format("noise does not explain the pictures{}, chi^2 per row stays at {:.3g}: {}the "
-                    "model is wrong by more than that (scene, absorption, grid), or --noise is too "
-                    "small",
-                    at_any_strength(figures) ? " at any strength" : "", figures.chi_squared,
-                    what_else_may_be(figures)));
+        fmt::format("noise does not explain the pictures, chi^2 per row stays at {:.3g}: {}the "
+                    "model is wrong by more than that (grid, scene, absorption)",
+                    figures.chi_squared, what_else_may_be(figures)));
   else if (figures.strength_at_end)
     execution.warn(
         "the strength is at the end of the range that was looked at: see the curve in "
@@ -185,6 +175,20 @@ FlameAxis fitted_axis(const ReconstructRequest& request, const ReconstructCamera
   MeasuredRows measured = measured_rows(measurements, rays, 1);
   take_away(light_behind(views, rays, *unknowns, {}, how, execution), measured);
   return fit_axis(rays, measured, start);
+}
+
+/// @throws InputError where a picture is that of another one of the cameras
+void check_order(const ReconstructCameras& cameras, const std::vector<LightField>& pictures,
+                 const std::vector<std::string>& names) {
+  for (std::size_t v = 0; v < pictures.size(); ++v) {
+    if (may_be_taken_by(pictures[v], cameras.cameras[v].scene->scene)) continue;
+    for (const ReconstructCamera& other : cameras.cameras)
+      if (may_be_taken_by(pictures[v], other.scene->scene))
+        throw InputError(
+            fmt::format("{} is given for {}, but it is the picture of {}: give the "
+                        "pictures in the order of the cameras",
+                        names[v], cameras.cameras[v].what, other.what));
+  }
 }
 
 /// @throws InputError where an earlier result that is in memory belongs to other unknowns
@@ -277,6 +281,7 @@ FrameMeasurements measure_frame(const ReconstructRequest& request,
                                 const std::vector<LightField>& pictures,
                                 const std::vector<std::string>& names) {
   FrameMeasurements result(cameras.channels.size());
+  check_order(cameras, pictures, names);
   for (std::size_t v = 0; v < cameras.cameras.size(); ++v)
     for (std::size_t k = 0; k < cameras.channels.size(); ++k)
       result[k].push_back(take_measurement(pictures[v], cameras.cameras[v].scene->scene,
@@ -352,7 +357,7 @@ std::vector<double> Reconstructor::samples_of(const EarlierResult& result) const
   std::vector<double> values = result.emission;
   for (std::size_t j = 0; j < absorption_.size(); ++j)
     values[j] = absorption_[j] > 0 ? values[j] / absorption_[j] : 0;
-  return values;
+  return samples_of_places(*unknowns_, values);
 }
 
 ReconstructResult Reconstructor::frame(
@@ -437,6 +442,13 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
                              const Execution& execution) const {
   warn_of(result.figures, settings_, execution);
   Report report;
+  std::vector<std::string> cameras;
+  for (const ReconstructCamera& camera : cameras_.cameras) cameras.push_back(camera.what);
+  const std::string& kind = request_.unknowns.kind;
+  const std::string words = verdict(result, *unknowns_, kind, cameras);
+  report.add("in words", words, "verdict", words);
+  for (const std::string& line : what_is_wrong(result.figures, kind, cameras)) execution.warn(line);
+  report_suspects(result.figures, cameras, report);
   std::string names = cameras_.channel_name(0);
   for (std::size_t k = 1; k < cameras_.channels.size(); ++k)
     names += ", " + cameras_.channel_name(k);
@@ -458,7 +470,7 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
     report_scale(result, request_.sought() == Sought::both ? nullptr : &source, *unknowns_, report);
   }
   if (truth_) report_errors(result.estimate, *truth_, *unknowns_, report);
-  if (cameras_.cameras.size() == 1 && request_.unknowns.kind == "voxels")
+  if (cameras.size() == 1 && kind == "voxels")
     warn_single_camera(result.figures, *unknowns_,
                        half_angle(cameras_.first(), *unknowns_, settings_.rays), execution, report);
   if (!result.figures.complete)

@@ -27,12 +27,7 @@ void check_belongs(const LightField& picture, const Scene& scene, const std::str
                      "; a reconstruction takes fluxes in W, as render writes them, or electrons, "
                      "as develop writes them" +
                      (picture.unit == "DN" ? " (import --unit e- or W)" : ""));
-  if (picture.scene_text.empty()) return;
-  CameraSpec own = parse_embedded_scene(picture.scene_text, what).scene.camera;
-  own.sensor = sensor;                       // how a frame was taken does not move any ray
-  own.wavelength = scene.camera.wavelength;  // not in files
-  own.name = scene.camera.name;
-  if (!(own == scene.camera))
+  if (!may_be_taken_by(picture, scene))
     throw InputError(what +
                      " does not belong to the scene: it was taken by another camera (lens, array, "
                      "focus or place differ)" +
@@ -101,6 +96,17 @@ class LeftOut {
 
 }  // namespace
 
+bool may_be_taken_by(const LightField& picture, const Scene& scene) {
+  const SensorSpec& sensor = scene.camera.sensor;
+  if (picture.sensor_width != sensor.columns || picture.sensor_height != sensor.rows) return false;
+  if (picture.scene_text.empty()) return true;
+  CameraSpec own = parse_embedded_scene(picture.scene_text, "the picture").scene.camera;
+  own.sensor = sensor;                       // how a frame was taken does not move any ray
+  own.wavelength = scene.camera.wavelength;  // not in files
+  own.name = scene.camera.name;
+  return own == scene.camera;
+}
+
 Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,
                              double noise, const std::string& what) {
   check_belongs(picture, scene, what);
@@ -119,8 +125,6 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
   const Image errors = has_error && replicates >= 2 && replicates < kManyReplicates
                            ? smoothed_error(own.flux, own.standard_error)
                            : own.standard_error;
-  if (!has_error && !(noise > 0))
-    throw InputError(what + " has no standard error, and no noise is given");
 
   Measurement result;
   result.window = picture.window;
@@ -143,6 +147,8 @@ Measurement take_measurement(const LightField& picture, const Scene& scene, std:
       if (value < full && !left_out(column, row)) largest = std::max(largest, value - dark);
     }
   if (!(largest > 0)) throw InputError(what + " is dark in channel " + own.name);
+  if (!has_error && !(noise > 0))
+    throw InputError(what + " has no standard error, and no noise is given");
   // No pixel is known better than a part in a million of the brightest.
   const double least = 1e-6 * largest, model_error = noise * largest;
   result.model_error = factor * model_error;

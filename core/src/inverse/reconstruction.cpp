@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "inverse/expected_misfit.h"
+#include "inverse/model_test.h"
 #include "inverse/operators/remembered_product.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/worthwhile_threads.h"
@@ -20,6 +22,7 @@
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/row_noise.h"
 #include "plenoflame/inverse/shared_assembly.h"
+#include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
@@ -33,6 +36,8 @@ constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8;
 constexpr int kTrials = 12;
 /// Strength of a first guess: enough that what no pixel tells does not run away.
 constexpr double kGuessStrength = 1e-5;
+/// Iterations of probes and draws, at least.
+constexpr int kLeastProbe = 100;
 
 /// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
 class Watch {
@@ -107,6 +112,40 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
   return empty;
 }
 
+/// Share of each view's light in pixels of no row, or 0 within five standard deviations of their
+/// noise. Such light tells that the block of the unknowns cuts the flame. Empty where other things
+/// shine.
+std::vector<double> light_outside(const std::vector<CameraView>& views,
+                                  const std::vector<Measurement>& measurements,
+                                  const CameraRays& rays, int bin) {
+  for (const CameraView& view : views)
+    if (shines_without_flames(*view.scene)) return {};
+  std::vector<Image> outside;
+  for (const Measurement& m : measurements) outside.push_back(m.flux);
+  for (std::size_t r = 0; r < rays.rows.size(); ++r) {
+    const auto v = static_cast<std::size_t>(rays.rows[r].view);
+    rays.for_each_pixel(r, bin, [&](int column, int row) {
+      outside[v].at(column - measurements[v].window.x, row - measurements[v].window.y) = 0;
+    });
+  }
+  std::vector<double> shares;
+  for (std::size_t v = 0; v < measurements.size(); ++v) {
+    double all = 0, beside = 0, variance = 0, pixels = 0;
+    for (std::size_t k = 0; k < outside[v].pixels.size(); ++k) {
+      const double deviation = static_cast<double>(measurements[v].deviation.pixels[k]);
+      if (!(deviation > 0)) continue;
+      all += static_cast<double>(measurements[v].flux.pixels[k]);
+      if (outside[v].pixels[k] == 0) continue;
+      beside += static_cast<double>(outside[v].pixels[k]);
+      variance += deviation * deviation;
+      ++pixels;
+    }
+    const double error = std::hypot(std::sqrt(variance), pixels * measurements[v].model_error);
+    shares.push_back(beside > 5 * error && all > 0 ? beside / all : 0);
+  }
+  return shares;
+}
+
 /// Takes rows that see parts of the stop that do not count for rows without a usable pixel.
 void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRays& rays,
                      const Execution& execution, MeasuredRows& measured) {
@@ -136,18 +175,68 @@ SolverOptions solver_options(const ReconstructionSettings& settings, double rows
   return options;
 }
 
-/// Strength by the rule; what was found on the way is the next start.
+/// The strength at which flames that are drawn from the prior are as bright as this one, where it
+/// shines.
+double strength_of_brightness(const ScaledProblem& problem, const std::vector<double>& prior,
+                              std::vector<double> flame, const Execution& execution) {
+  constexpr int kDraws = 8;
+  constexpr double kLit = 0.05;  // of the largest
+  // Wide structures, which come last, hold most of the light.
+  const ProbeAccuracy accuracy{2000, 1e-5};
+  const double brightest = *std::ranges::max_element(flame);
+  std::vector<char> lit;
+  for (const double value : flame) lit.push_back(value > kLit * brightest);
+  const auto square_of_lit = [&](std::span<const double> values) {
+    double sum = 0;
+    for (std::size_t j = 0; j < lit.size(); ++j)
+      if (lit[j]) sum += values[j] * values[j];
+    return sum;
+  };
+  for (std::size_t j = 0; j < prior.size(); ++j) flame[j] -= prior[j];
+  double drawn = 0;
+  const auto add = [&](std::span<const double> u) {
+    drawn += square_of_lit(problem.samples(u)) / kDraws;
+  };
+  draw_prior(problem.regularisation(1), kDraws, 2, add, execution, accuracy);
+  const double own = square_of_lit(flame);
+  return own > 0 ? drawn / own : std::numeric_limits<double>::max();
+}
+
+/// Share of the unknowns that may shine which do.
+double share_of_lit(const std::vector<double>& values, const std::vector<char>& solved) {
+  constexpr double kLit = 0.05;  // of the largest
+  const double least = kLit * *std::ranges::max_element(values);
+  const auto lit = std::ranges::count_if(values, [&](double value) { return value > least; });
+  return static_cast<double>(lit) /
+         static_cast<double>(std::max<std::ptrdiff_t>(1, std::ranges::count(solved, char{1})));
+}
+
+/// Strength by cross-validation; what was found on the way is the next start.
+/// @param guess of the flame
 std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<const double> b,
-                                       double rows, const ReconstructionInput& input,
-                                       const ReconstructionSettings& settings, Watch& watch,
+                                       const std::vector<double>& guess,
+                                       const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
+  // Flames that are more than twice as bright as this one are no prior. Cross-validation asks for
+  // such where errors of the model, which neighbouring pixels share, pass for what the flame
+  // explains.
+  constexpr double kMostTimesBrighter = 2;
+  StrengthRange range = kLinearRange;
+  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
+                                std::pow(kMostTimesBrighter, 2),
+                            range.lowest, 0.01 * range.highest);
+  range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
+  SolverOptions options;
+  options.iterations = range.iterations;
   const StrengthChoice choice =
-      problem.choose(b, expected_misfit(rows), input.start,
-                     watch.watched(solver_options(settings, rows), problem, kChosen, kTrials, true),
+      problem.choose(b, input.start, range, watch.watched(options, problem, kChosen, kTrials, true),
                      watch.inner());
   watch.reached(kChosen);
+  const auto rows = static_cast<double>(result.rows - result.left_out);
   result.strength = choice.strength;
-  result.strength_at_end = choice.at_end;
+  // As bright as the flame is where the search has to end.
+  const bool as_bright = choice.strength <= range.lowest && range.lowest > kLinearRange.lowest;
+  result.strength_at_end = choice.at_end && !as_bright;
   // The solution goes on from there, often with nothing left to do.
   for (const SolverStep& step : choice.solution.history)
     result.history.push_back(step.misfit / rows);
@@ -156,65 +245,89 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   return problem.samples(choice.solution.x);
 }
 
-/// @param start what the solution began with, if its end was no minimum
-void add_uncertainty(const ScaledProblem& problem, const ReconstructionSettings& settings,
-                     std::span<const double> b, const std::vector<double>& start, double rows,
+/// Resolution and deviations, of a solution whose penalty is a Gaussian prior.
+void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& input,
+                     const ReconstructionSettings& settings, std::span<const double> b, double rows,
                      Watch& watch, Reconstruction& result) {
-  const ProbeAccuracy accuracy{std::max(40, settings.iterations / 2), 1e-5, settings.draws < 2};
+  const ProbeAccuracy accuracy{std::max(kLeastProbe, settings.iterations), 1e-5};
   const LinearProblem linear = problem.problem(b);
   const Regularisation penalty = problem.regularisation(result.strength);
-  // Neither the end of an iteration nor total variation has a resolution matrix.
-  const bool probes = settings.probes > 0 && is_penalised(settings.solver) &&
-                      settings.solver != ReconstructionSolver::tv;
-  if (settings.draws >= 2) {
-    const std::vector<double> model = *linear.a * problem.scaled(result.values);
-    const std::vector<double>& from = is_penalised(settings.solver) ? result.values : start;
-    const SolverOptions options = solver_options(settings, rows);
-    const auto again = [&](std::span<const double> drawn) {
-      return problem.solve(drawn, result.strength, from, options, watch.inner()).x;
-    };
-    // A draw is a solution, two of which a probe is.
-    const double share = settings.draws / (settings.draws + (probes ? 2.0 * settings.probes : 0));
-    const double to = kSolved + share * (1 - kSolved);
-    result.deviation = problem.samples(
-        bootstrap(model, linear.weights, settings.draws, 1, again, watch.rest(to)).deviation);
+  const double all = std::max(1, settings.draws + settings.probes);
+  if (settings.probes > 0) {
+    const double to = kSolved + settings.probes / all * (1 - kSolved);
+    Uncertainty found =
+        estimate_resolution(linear, penalty, settings.probes, 1, watch.rest(to), accuracy);
+    result.resolved_unknowns = found.resolved_unknowns;
+    result.resolved = std::move(found.resolved);
+    for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
     watch.reached(to);
   }
-  if (!probes) return;
-  Uncertainty found =
-      estimate_uncertainty(linear, penalty, settings.probes, 1, watch.rest(1), accuracy);
-  if (accuracy.deviations) result.deviation = problem.samples(found.deviation);
-  result.resolved_unknowns = found.resolved_unknowns;
-  result.resolved = std::move(found.resolved);
-  for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
+  // The pictures themselves tell how far they are from the model.
+  const double free_rows = std::max(0.5 * rows, rows - std::max(0.0, result.resolved_unknowns));
+  result.noise_factor = std::sqrt(std::max(1.0, result.chi_squared * rows / free_rows));
+  if (settings.draws < 1) return;
+  std::vector<double> squares(result.values.size(), 0.0);
+  const auto add = [&](std::span<const double> u) {
+    const std::vector<double> moved =
+        values_at_places(*input.unknowns, problem.samples(u), result.solved);
+    for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
+  };
+  Regularisation prior = penalty;
+  if (result.strength > 0) {
+    // Only places with light bend: the amplitude that the strength tells in the mean of all is
+    // theirs, and larger.
+    double strength = share_of_lit(result.at_places, result.solved) * result.strength;
+    // One camera sees how fine the structure is, and not how much light is at which depth. Its
+    // prior has to allow a flame as bright as the one that was found.
+    if (input.views.size() == 1)
+      strength = std::min(
+          strength, strength_of_brightness(problem, input.prior, result.values, watch.inner()));
+    prior = problem.regularisation(strength);
+  }
+  draw_posterior(linear, prior, settings.draws, 1, add, watch.rest(1), accuracy);
+  for (const double square : squares)
+    result.deviation.push_back(result.noise_factor * std::sqrt(square / settings.draws));
 }
 
+PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const ScaledProblem& problem,
+                      const LinearProblem& linear, const Regularisation& penalty,
+                      const Execution& execution) {
+  PointSpread spread;
+  spread.unknown = unknown;
+  spread.place = unknowns.place(unknown);
+  std::vector<double> one(unknowns.size(), 0.0);
+  one[unknown] = 1;
+  const double unit = problem.scaled(one)[unknown];
+  if (!(unit > 0)) return spread;
+  std::vector<double> column = problem.samples(
+      point_spread(linear, penalty, unknown, execution, ProbeAccuracy{kLeastProbe, 1e-5}));
+  for (double& value : column) value *= unit;
+  spread.peak = column[unknown];
+  spread.widths = half_widths(column, unknowns.shape(), unknowns.spacing(), unknown);
+  return spread;
+}
+
+/// Point spreads of the places that the input names, and of the brightest one.
 void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
                  const ReconstructionSettings& settings, std::span<const double> b,
                  const Execution& execution, Reconstruction& result) {
-  const ProbeAccuracy accuracy{std::max(50, settings.iterations), 1e-5};
+  const LinearProblem linear = problem.problem(b);
+  const Regularisation penalty = problem.regularisation(result.strength);
   for (const Vec3& place : input.spread_at) {
-    PointSpread spread;
-    double nearest = 1e300;
+    std::size_t unknown = 0;
+    double nearest = std::numeric_limits<double>::max();
     for (std::size_t j = 0; j < input.unknowns->size(); ++j) {
       const double distance = length(input.unknowns->place(j) - place);
-      if (distance < nearest) nearest = distance, spread.unknown = j;
+      if (distance < nearest) nearest = distance, unknown = j;
     }
-    spread.place = input.unknowns->place(spread.unknown);
-    std::vector<double> one(input.unknowns->size(), 0.0);
-    one[spread.unknown] = 1;
-    const double unit = problem.scaled(one)[spread.unknown];
-    if (unit > 0) {
-      std::vector<double> column =
-          problem.samples(point_spread(problem.problem(b), problem.regularisation(result.strength),
-                                       spread.unknown, execution, accuracy));
-      for (double& value : column) value *= unit;
-      spread.peak = column[spread.unknown];
-      spread.widths =
-          half_widths(column, input.unknowns->shape(), input.unknowns->spacing(), spread.unknown);
-    }
-    result.spreads.push_back(spread);
+    result.spreads.push_back(
+        spread_of(unknown, *input.unknowns, problem, linear, penalty, execution));
   }
+  if (settings.probes < 1) return;
+  const auto brightest = static_cast<std::size_t>(std::ranges::max_element(result.at_places) -
+                                                  result.at_places.begin());
+  result.resolution.push_back(
+      spread_of(brightest, *input.unknowns, problem, linear, penalty, execution));
 }
 
 /// Rows of the temperatures that follow, as the renderer would fill them.
@@ -254,9 +367,8 @@ void check_settings(const ReconstructionSettings& settings, const Unknowns& unkn
     throw InputError(std::to_string(unknowns.size()) +
                      " unknowns are too many for active sets, which take " +
                      std::to_string(kMostActiveSet) + " at most: use fista, or a coarser grid");
-  if (settings.rule == StrengthRule::gcv && settings.solver == ReconstructionSolver::tv &&
-      settings.strength < 0)
-    throw UsageError("cross-validation is for penalties that are squares, not for tv");
+  if (settings.solver == ReconstructionSolver::tv && settings.strength < 0)
+    throw UsageError("cross-validation is for penalties that are squares: tv needs a strength");
 }
 
 /// Unknowns in units of a typical value, those that few rays meet in larger ones; 0 for what is
@@ -323,6 +435,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   leave_out_parts(input.parts, rays, execution, measured);
 
   Reconstruction result;
+  result.light_outside = light_outside(views, input.measurements, rays, settings.rays.bin);
   result.model = model;
   result.rows = rays.rows.size();
   result.rays = rays.ray_count();
@@ -375,7 +488,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   std::vector<double> reached = input.start;
   const bool counts = std::any_of(measured.electron.begin(), measured.electron.end(),
                                   [](double electron) { return electron > 0; });
-  if (settings.ray_noise || counts) {
+  std::vector<double> guess;
+  if (settings.ray_noise || counts || settings.strength < 0) {
     // A first guess tells the light whose shot noise counts, and what the finite number of rays
     // adds.
     ReconstructionSettings plain = settings;
@@ -384,8 +498,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     SolverOptions options;
     options.iterations = 40;
     options.relative_change = 1e-3;
-    const std::vector<double> guess =
-        first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
+    guess = first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
     if (reached.empty()) reached = guess;
     if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
     weight = row_weights(measured, image_of(guess), result.rays_error);
@@ -402,7 +515,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     else if (settings.strength >= 0)
       result.strength = settings.strength;
     else
-      reached = start = choose_strength_of(*weighted, b, rows, input, settings, watch, result);
+      reached = start = choose_strength_of(*weighted, b, guess, input, watch, result);
+    // Projected gradients are slow with a strong penalty, and hardly begin from nothing.
+    if (settings.solver == ReconstructionSolver::fista && start.empty())
+      start = weighted->without_bounds(b, result.strength, watch.inner());
     const SolverOptions last =
         watch.watched(solver_options(settings, rows), *weighted, kSolved, 1, false);
     const Solution solution = weighted->solve(b, result.strength, start, last, watch.inner());
@@ -424,6 +540,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     return sum / rows;
   };
   result.chi_squared = chi_squared_of(explained);
+  result.at_places = values_at_places(*input.unknowns, result.values, result.solved);
   // Follows all rays once more.
   if (input.source && result.model == RowModel::source && (result.complete || result.stored))
     result.rendered_chi_squared = chi_squared_of(rendered_fluxes(input, rays, result, quiet));
@@ -431,9 +548,19 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
-      add_uncertainty(*weighted, settings, b, start, rows, watch, result);
-      if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv)
+      // Neither the end of an iteration nor total variation has a posterior.
+      if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv) {
+        add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
+        if (settings.test_model && settings.draws > 0) {
+          std::vector<double> left = b;
+          for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
+          CameraRaySettings how = settings.rays;
+          how.keep = !result.drawn;
+          result.suspects = test_model({&problem, &views, &*weighted, how, explained, left}, result,
+                                       {kLeastProbe, 1e-3}, watch.inner());
+        }
+      }
       watch.reached(1);
     } catch (const Cancelled&) {
       result.complete = false;  // the values are kept

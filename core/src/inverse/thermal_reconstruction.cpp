@@ -19,6 +19,7 @@
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/penalty.h"
 #include "plenoflame/inverse/shared_assembly.h"
+#include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
@@ -27,12 +28,13 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr StrengthRange kRange{1e-7, 10, 9, 0, 10, 0.003, 2, 100};
+constexpr StrengthRange kRange{1e-8, 10, 3, 2, 200};
 /// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
 /// strength.
-constexpr int kLinearisations = 2, kTrialSteps = 4;
+constexpr int kLinearisations = 3, kTrialSteps = 4;
+/// A linearisation tells of strengths that many times weaker or stronger than the one of its own.
+constexpr double kTrusted = 10;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
-constexpr int kTrialIterations = 200;
 constexpr double kTrialAccuracy = 1e-5;
 
 /// A model's derivative with regard to scaled variables, stored where memory suffices.
@@ -274,10 +276,9 @@ class ThermalSolver {
   void set_up_penalty(const LinearOperator& derivative, const ThermalStart& start) {
     ReconstructionSettings how = settings_.linear;
     how.solver = ReconstructionSolver::cgls;
-    if (how.penalty == ReconstructionPenalty::none) how.penalty = ReconstructionPenalty::gradient;
     for (std::size_t part = 0; part < (thick() ? 2U : 1U); ++part) {
       const std::vector<char>& mask = part == 0 ? smooth_ : start.solved;
-      ChosenPenalty penalty = make_penalty_of(how, *input_.unknowns, mask);
+      ChosenPenalty penalty = make_penalty_of(how, *input_.unknowns, mask, false);
       std::vector<double> uniform(x_.size(), 0.0);
       for (std::size_t j = 0; j < unknowns(); ++j)
         uniform[part * unknowns() + j] = mask.empty() || mask[j] != 0 ? 1 : 0;
@@ -337,41 +338,33 @@ class ThermalSolver {
 
   /// Strengths tried on the problem that is linearised about x_: steps that are not, for each of
   /// them, would follow all rays again and again.
-  StrengthChoice choose_linearised(const LinearOperator& derivative) const {
+  StrengthChoice choose_linearised(const LinearOperator& derivative, double about) const {
     const FreeSteps steps(derivative, penalty_, free_variables());
     std::vector<double> prior = x_, residual = thermal_fluxes(model_, physical(x_), inner_);
     for (double& value : prior) value = -value;
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = b_[i] - residual[i];
     const LinearProblem problem{&steps.moving, residual, weights_};
-    StrengthRange range = kRange;
-    range.expected_misfit = expected_misfit(rows_);
     SolverOptions options;
-    options.iterations = kTrialIterations;
     options.relative_change = kTrialAccuracy;
-    return choose_strength(
-        problem, steps.penalty, 1, settings_.linear.rule, range,
-        [&](double strength, const std::vector<double>& before) {
-          options.start = before;
-          return solve_cgls(problem, {&steps.penalty, strength, prior}, options, inner_);
-        },
-        inner_);
+    StrengthRange range = kRange;
+    range.lowest = std::max(range.lowest, about / kTrusted);
+    range.highest = std::min(range.highest, about * kTrusted);
+    return choose_strength(problem, {&steps.penalty, 0, prior}, 1, range, options, inner_);
   }
 
   void choose_and_solve() {
     Reconstruction& figures = result_.figures;
     double done = kStartShare, strength = settings_.linear.strength;
-    if (settings_.linear.penalty == ReconstructionPenalty::none) {
-      strength = 0;
-    } else if (strength < 0) {
+    if (strength < 0) {
       figures.strength = -1;  // where a stop comes before one is chosen
       strength = kFirstStrength;
       for (int k = 0; k < kLinearisations; ++k) {
         x_ = steps(strength, x_, kTrialSteps, kTrialChange, done, 0.15, true).x;
         done += 0.15;
-        const StrengthChoice choice = choose_linearised(*derivative_at(x_));
+        const StrengthChoice choice = choose_linearised(*derivative_at(x_), strength);
         if (inner_.stop.stop_requested()) return;
         strength = choice.strength;
-        figures.strength_at_end = choice.at_end;
+        figures.strength_at_end = strength <= kRange.lowest || strength >= kRange.highest;
         figures.trials.clear();
         for (const StrengthPoint& point : choice.curve)
           figures.trials.push_back(
@@ -427,7 +420,7 @@ class ThermalSolver {
       const std::vector<double> brighter = transposed_times(*derivative, explained);
       figures.unseen = 0;
       for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];
-      if (settings_.linear.probes > 0) add_uncertainty(*derivative);
+      add_uncertainty(*derivative);
     } catch (const Cancelled&) {
       figures.complete = false;
     }
@@ -437,37 +430,46 @@ class ThermalSolver {
   /// emission's: temperature and absorption err against each other.
   void add_uncertainty(const LinearOperator& derivative) {
     const std::size_t n = unknowns();
-    const int probes = settings_.linear.probes;
-    const ProbeAccuracy accuracy{std::max(50, settings_.linear.iterations / 2), 1e-5};
-    std::vector<double> emission(n, 0.0);
-    const SourceFunction& source = input_.channels[0].source;
-    const std::vector<double>& temperature = result_.estimate.temperature;
-    const auto add_emission = [&](std::span<const double> moved) {
+    const int draws = settings_.linear.draws, probes = settings_.linear.probes;
+    const ProbeAccuracy accuracy{std::max(100, settings_.linear.iterations), 1e-5};
+    const FreeSteps steps(derivative, penalty_, free_variables());
+    const LinearProblem problem{&steps.moving, b_, weights_};
+    const Regularisation penalty{&steps.penalty, strength_};
+    Reconstruction& figures = result_.figures;
+    if (probes > 0) {
+      const Uncertainty found = estimate_resolution(problem, penalty, probes, 1, inner_, accuracy);
+      figures.resolved_unknowns = found.resolved_unknowns;
       for (std::size_t j = 0; j < n; ++j) {
-        const double relative = moved[j] * unit_ * source_slope(source, temperature[j]) /
-                                    std::max(source(temperature[j]), 1e-300) +
-                                (thick() ? moved[n + j] : 0);
-        emission[j] += relative * relative / probes;
+        result_.resolved_temperature.push_back(std::clamp(found.resolved[j], 0.0, 1.0));
+        if (thick())
+          result_.resolved_absorption.push_back(std::clamp(found.resolved[n + j], 0.0, 1.0));
+      }
+    }
+    const double free_rows =
+        std::max(0.5 * rows_, rows_ - std::max(0.0, figures.resolved_unknowns));
+    figures.noise_factor = std::sqrt(std::max(1.0, figures.chi_squared * rows_ / free_rows));
+    if (draws < 1) return;
+    FlameEstimate& estimate = result_.estimate;
+    const SourceFunction& source = input_.channels[0].source;
+    std::vector<double> emission(n, 0.0), temperature(n, 0.0), absorption(n, 0.0);
+    const double share = figures.noise_factor * figures.noise_factor / draws;
+    const auto add = [&](std::span<const double> moved) {
+      for (std::size_t j = 0; j < n; ++j) {
+        const double hotter = unit_ * moved[j], thicker = thick() ? moved[n + j] : 0;
+        const double t = estimate.temperature[j];
+        const double brighter =
+            hotter * source_slope(source, t) / std::max(source(t), 1e-300) + thicker;
+        temperature[j] += share * hotter * hotter;
+        absorption[j] += share * thicker * thicker;
+        emission[j] += share * brighter * brighter;
       }
     };
-    const FreeSteps steps(derivative, penalty_, free_variables());
-    Uncertainty found;
-    try {
-      found = estimate_uncertainty({&steps.moving, b_, weights_}, {&steps.penalty, strength_},
-                                   probes, 1, inner_, accuracy, add_emission);
-    } catch (const Cancelled&) {
-      result_.figures.complete = false;
-      return;
-    }
-    FlameEstimate& estimate = result_.estimate;
-    result_.figures.resolved_unknowns = found.resolved_unknowns;
+    draw_posterior(problem, penalty, draws, 1, add, inner_, accuracy);
     for (std::size_t j = 0; j < n; ++j) {
-      estimate.temperature_deviation.push_back(unit_ * found.deviation[j]);
+      estimate.temperature_deviation.push_back(std::sqrt(temperature[j]));
       estimate.emission_deviation.push_back(estimate.emission[j] * std::sqrt(emission[j]));
-      result_.resolved_temperature.push_back(std::clamp(found.resolved[j], 0.0, 1.0));
-      if (!thick()) continue;
-      estimate.absorption_deviation.push_back(estimate.absorption[j] * found.deviation[n + j]);
-      result_.resolved_absorption.push_back(std::clamp(found.resolved[n + j], 0.0, 1.0));
+      if (thick())
+        estimate.absorption_deviation.push_back(estimate.absorption[j] * std::sqrt(absorption[j]));
     }
   }
 

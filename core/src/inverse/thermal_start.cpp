@@ -111,10 +111,7 @@ Reconstruction linear_stage(const ThermalInput& input, const ThermalSettings& se
     linear.start = first_samples(input);
   else
     how.watch = nullptr;  // one field is shown
-  if (how.penalty == ReconstructionPenalty::none || !is_penalised(how.solver)) {
-    how.solver = ReconstructionSolver::fista;
-    how.penalty = ReconstructionPenalty::gradient;
-  }
+  how.solver = ReconstructionSolver::fista;
   return reconstruct(linear, how, execution);
 }
 

@@ -13,8 +13,8 @@ namespace {
 /// Numbers for each variable that are there whatever the solver: scales, what is known, start,
 /// values and what is told of them.
 constexpr double kCommon = 20;
-/// Solutions that are kept while a strength is chosen.
-constexpr double kMostStrengths = kLinearRange.points + kLinearRange.bisections;
+/// Solutions that are kept while a strength is chosen: those of its range, and four between them.
+constexpr double kMostStrengths = kLinearRange.points + 4;
 /// The number of vectors that a solver holds: of variables, of rows of the penalty, of rows of A.
 struct Work {
   double variables, penalty, rows;
@@ -31,19 +31,18 @@ Work work_of(ReconstructionSolver solver) {
 /// Rows of the penalty for each variable.
 double penalty_rows(const ReconstructionSettings& settings, const Unknowns& unknowns) {
   if (settings.solver == ReconstructionSolver::tv) return 3;
-  if (settings.penalty == ReconstructionPenalty::none || !is_penalised(settings.solver)) return 0;
-  if (settings.penalty == ReconstructionPenalty::identity) return 1;
+  if (!is_penalised(settings.solver)) return 0;
   const auto shape = unknowns.shape();
-  return static_cast<double>(
+  const auto axes = static_cast<double>(
       std::count_if(shape.begin(), shape.end(), [](int count) { return count > 1; }));
+  return axes * (axes + 1) / 2;  // along each of them, and across each two
 }
 
 }  // namespace
 
 double vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
                      std::size_t variables, std::size_t rows) {
-  const bool chooses = is_penalised(settings.solver) && settings.strength < 0 &&
-                       settings.penalty != ReconstructionPenalty::none;
+  const bool chooses = is_penalised(settings.solver) && settings.strength < 0;
   const Work work = work_of(settings.solver);
   // A^T adds up parts of rows that are followed again, whose number is fixed.
   const double parts = settings.memory > 0 ? 0 : kFollowedParts;

@@ -15,11 +15,11 @@ struct GlowingGrid {
   std::vector<double> emission, absorption;  ///< last axis fastest
 };
 
-inline FlameSpec glowing_flame() {
+inline FlameSpec glowing_flame(double wavelength = 431e-9) {
   FlameSpec flame;
   flame.kind = FlameKind::vdb;
   flame.file = "glow.vdb";
-  flame.lines = {{LineKind::custom, 431e-9, 0, {"glow"}}};
+  flame.lines = {{LineKind::custom, wavelength, 0, {"glow"}}};
   return flame;
 }
 

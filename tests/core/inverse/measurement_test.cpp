@@ -78,5 +78,14 @@ TEST(Measurement, MosaicsTakeOwnColoursOnly) {
   EXPECT_GT(take_measurement(field, scene, 0, 0).deviation.at(1, 1), 0);
 }
 
+TEST(Measurement, InversePlanck) {
+  const SourceFunction band = SourceFunction::band(650e-9, 10e-9), total = SourceFunction::total();
+  for (const double t : {300.0, 1000.0, 1800.0, 3000.0}) {
+    EXPECT_TRUE(relative(temperature_of(band, band(t)), t, 1e-12));
+    EXPECT_TRUE(relative(temperature_of(total, total(t)), t, 1e-12));
+  }
+  EXPECT_EQ(temperature_of(band, 0), 0);
+}
+
 }  // namespace
 }  // namespace plenoflame::test::measurement_test

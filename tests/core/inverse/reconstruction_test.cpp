@@ -51,7 +51,7 @@ struct Rig {
     return measured(*unknowns, truth, absorption, settings.rays, noise, seed);
   }
   /// Fluxes of the same field on the finer grid, seen along other rays, and more of them.
-  ReconstructionInput finer_input(double noise) const {
+  ReconstructionInput finer_input(double noise, std::uint64_t seed = 5) const {
     std::vector<double> samples, absorbing;
     for (std::size_t j = 0; j < finer->size(); ++j) {
       const Vec3 p = finer->place(j);
@@ -61,7 +61,7 @@ struct Rig {
     CameraRaySettings other = settings.rays;
     other.samples *= 8;
     other.seed += 77;
-    return measured(*finer, samples, absorbing, other, noise, 5);
+    return measured(*finer, samples, absorbing, other, noise, seed);
   }
   ReconstructionInput measured(const Unknowns& shining, const std::vector<double>& samples,
                                const std::vector<double>& absorbing, const CameraRaySettings& how,
@@ -154,7 +154,7 @@ Rig voxel_rig(bool two) {
 // weighted alike in A and b.
 TEST(Reconstruction, RingsOfTheirOwnRows) {
   Rig rig = ring_rig();
-  rig.settings.penalty = ReconstructionPenalty::none;
+  rig.settings.strength = 0;
   rig.settings.iterations = 4000;
   const Reconstruction exact = reconstruct(rig.input(0), rig.settings);
   EXPECT_LT(rig.error(exact.values), 0.01);
@@ -162,8 +162,8 @@ TEST(Reconstruction, RingsOfTheirOwnRows) {
   EXPECT_TRUE(exact.stored);
 }
 
-// The discrepancy principle leaves as much of a finer flame's fluxes as their noise of 0.3 %, that
-// of the rays included, and what is found is near the truth.
+// Cross-validation finds a strength that leaves as much of a finer flame's fluxes as their noise of
+// 0.3 %, that of the rays included, and what is found is near the truth.
 TEST(Reconstruction, RingsFromOneCamera) {
   Rig rig = ring_rig();
   rig.settings.ray_noise = true;
@@ -277,58 +277,68 @@ TEST(Reconstruction, DarkPixelsRuleOutWhatIsBehindThem) {
   EXPECT_LT(left, 0.03 * kSeeds * 104);
 }
 
-// Algebra: stated deviations against the scatter of reconstructions of independent noise; against
-// the truth of rendered pictures statistical/pulls_of_examples.cpp holds them.
-TEST(Reconstruction, DeviationsAreThoseOfRepeatedMeasurements) {
+// Stated deviations are the errors, of a flame that is no sum of the samples' hats; the scatter of
+// what is found of new noise is a part of them (statistical/flame_families_test.cpp: of families).
+TEST(Reconstruction, DeviationsAreTheErrors) {
   Rig rig = ring_rig();
-  rig.settings.strength = 1e-4;
-  rig.settings.iterations = 200;
-  rig.settings.support = false;
+  // Without a cusp on the axis and with ends within the rings: a prior draws no cusps.
+  rig.field = [](Vec3 p) {
+    const double x = (p.x - 1) / 4e-3, y = p.y / 4e-3, q = x * x + y * y, z = p.z / 9e-3;
+    const auto end = [](double s) { return std::pow(std::max(0.0, 1 - s), 2); };
+    return 1500 * std::exp(-6 * (q - 0.2) * (q - 0.2)) * end(q) * end(z * z);
+  };
+  rig.set_truth();
+  rig.settings.ray_noise = true;
+  rig.settings.rays.samples = 256;
   rig.settings.draws = 30;
-  const Reconstruction stated = reconstruct(rig.input(0.01), rig.settings);
+  const Reconstruction stated = reconstruct(rig.finer_input(0.01), rig.settings);
   rig.settings.draws = 0;
+  rig.settings.strength = stated.strength;
   std::vector<double> sum(rig.truth.size()), squares(rig.truth.size());
-  constexpr int kRuns = 30;
+  constexpr int kRuns = 4;
   for (int run = 0; run < kRuns; ++run) {
     const Reconstruction again =
-        reconstruct(rig.input(0.01, 100 + static_cast<std::uint64_t>(run)), rig.settings);
+        reconstruct(rig.finer_input(0.01, 100 + static_cast<std::uint64_t>(run)), rig.settings);
     for (std::size_t j = 0; j < sum.size(); ++j) {
-      sum[j] += again.values[j];
-      squares[j] += again.values[j] * again.values[j];
+      sum[j] += again.at_places[j];
+      squares[j] += again.at_places[j] * again.at_places[j];
     }
   }
-  double own = 0, found = 0;
+  double pulls = 0, lit = 0, own = 0, scatter = 0;
   for (std::size_t j = 0; j < sum.size(); ++j) {
-    if (rig.truth[j] < 100) continue;  // where values are cut at 0 both are small
+    if (rig.truth[j] < 50) continue;  // of some 800
+    pulls += std::pow((stated.at_places[j] - rig.truth[j]) / stated.deviation[j], 2);
+    ++lit;
     own += stated.deviation[j] * stated.deviation[j];
-    found += (squares[j] - sum[j] * sum[j] / kRuns) / (kRuns - 1);
+    scatter += (squares[j] - sum[j] * sum[j] / kRuns) / (kRuns - 1);
   }
-  EXPECT_TRUE(relative(std::sqrt(own), std::sqrt(found), 0.15));
+  EXPECT_TRUE(relative(std::sqrt(pulls / lit), 1, 0.3));
+  EXPECT_LT(scatter, own);
+  EXPECT_GT(scatter, 0.03 * own);
 }
 
-// The search reads the misfits of solutions that have come to their end, with the settings of the
-// command: each trial against a solution of its own with ten times the iterations, and the result
-// against what noise lets expect. Fails where a solution ends because its first steps are short.
-TEST(Reconstruction, StrengthsAreTriedToTheEnd) {
+// The strength of least cross-validation, with the settings of the command, is that of the least
+// error but for a part: no strength that is tried is much better.
+TEST(Reconstruction, NoOtherStrengthIsMuchBetter) {
   Rig rig = ring_rig();
+  rig.settings.ray_noise = true;
+  rig.settings.rays.samples = 256;
   rig.settings.iterations = ReconstructionSettings().iterations;
   for (const double noise : {0.003, 0.03}) {
-    const ReconstructionInput input = rig.input(noise);
-    const Reconstruction found = reconstruct(input, rig.settings);
-    const double m = static_cast<double>(found.rows - found.left_out);
-    EXPECT_TRUE(relative(found.chi_squared, 1 + 2 * std::sqrt(2 / m), 0.02));
+    const ReconstructionInput input = rig.finer_input(noise);
+    ReconstructionSettings settings = rig.settings;
+    const Reconstruction found = reconstruct(input, settings);
+    EXPECT_FALSE(found.strength_at_end);
     EXPECT_TRUE(found.explained_by_noise);
-    ReconstructionSettings patient = rig.settings;
-    patient.iterations *= 10;
+    double least = 1e300;
     for (const auto& trial : found.trials) {
-      patient.strength = trial.strength;
-      EXPECT_TRUE(relative(trial.chi_squared, reconstruct(input, patient).chi_squared, 0.02))
-          << noise << " " << trial.strength;
+      settings.strength = trial.strength;
+      least = std::min(least, rig.error(reconstruct(input, settings).at_places));
     }
+    EXPECT_LT(rig.error(found.at_places), 1.2 * least) << noise;
   }
 }
 
-// Stated deviations are those of the solution: more iterations than it took change nothing.
 // Solutions end before their last iteration, and draws of noise take as long as all the rest: what
 // is reported goes on through both, up to the whole.
 TEST(Reconstruction, ProgressGoesOnToTheEnd) {
@@ -404,7 +414,7 @@ TEST(Reconstruction, SaysWhetherNoiseExplainsThePictures) {
   const ReconstructionInput input = rig.input(0.01);
   const Reconstruction chosen = reconstruct(input, rig.settings);
   EXPECT_TRUE(chosen.explained_by_noise);
-  rig.settings.strength = 100 * chosen.strength;
+  rig.settings.strength = 1000 * chosen.strength;
   const Reconstruction flat = reconstruct(input, rig.settings);
   EXPECT_GT(flat.chi_squared, 1.5);
   EXPECT_FALSE(flat.explained_by_noise);
@@ -427,6 +437,7 @@ TEST(Reconstruction, SaysWhetherNoiseExplainsThePictures) {
 // found.
 TEST(Reconstruction, LightBehindIsNotTheFlames) {
   Rig rig = ring_rig();
+  rig.settings.rays.samples = 256;
   const ReconstructionInput dark = rig.input(0.01);
   const double alone = rig.error(reconstruct(dark, rig.settings).values);
   Scene lit = camera_scene(false);
@@ -438,7 +449,8 @@ TEST(Reconstruction, LightBehindIsNotTheFlames) {
   empty.flames.clear();
   RenderSettings settings;
   settings.samples = 256;
-  const Image behind = render(compile(empty), settings).light_field.channels[0].flux;
+  const LightFieldChannel sky_only = render(compile(empty), settings).light_field.channels[0];
+  const Image& behind = sky_only.flux;
   rig.scenes.clear();
   rig.scenes.push_back(compile(lit));
   ReconstructionInput input = rig.input(0.01);
@@ -448,9 +460,11 @@ TEST(Reconstruction, LightBehindIsNotTheFlames) {
     flame = std::max(flame, static_cast<double>(flux.pixels[k]));
     other = std::max(other, static_cast<double>(behind.pixels[k]));
     flux.pixels[k] += behind.pixels[k];
+    // The picture's rays and the reconstruction's err alike.
+    float& deviation = input.measurements[0].deviation.pixels[k];
+    deviation = std::hypot(deviation, std::sqrt(2.0F) * sky_only.standard_error.pixels[k]);
   }
   EXPECT_GT(other, 0.3 * flame);
-  rig.settings.rays.samples = 256;  // the rays of both are not the same
   EXPECT_LT(rig.error(reconstruct(input, rig.settings).values), 2 * alone);
 }
 
@@ -542,7 +556,7 @@ TEST(Reconstruction, TemperaturesWhereTheAbsorptionIsKnown) {
       out.worst = std::max(out.worst, error);
       out.mean += rig.unknowns->volume(j) * error;
       volume += rig.unknowns->volume(j);
-      EXPECT_TRUE(relative(estimate.emission[j], 30 * found.values[j], 1e-12));
+      EXPECT_TRUE(relative(estimate.emission[j], 30 * found.at_places[j], 1e-12));
     }
     out.mean /= volume;
     return out;
@@ -579,15 +593,6 @@ TEST(Reconstruction, LeavesOutAndCounts) {
   rig.unknowns = make_ring_unknowns(high);
   input.unknowns = rig.unknowns.get();
   EXPECT_THROW(reconstruct(input, rig.settings), InputError);
-}
-
-TEST(Measurement, InversePlanck) {
-  const SourceFunction band = SourceFunction::band(650e-9, 10e-9), total = SourceFunction::total();
-  for (const double t : {300.0, 1000.0, 1800.0, 3000.0}) {
-    EXPECT_TRUE(relative(temperature_of(band, band(t)), t, 1e-12));
-    EXPECT_TRUE(relative(temperature_of(total, total(t)), t, 1e-12));
-  }
-  EXPECT_EQ(temperature_of(band, 0), 0);
 }
 
 }  // namespace

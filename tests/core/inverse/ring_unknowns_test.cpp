@@ -202,10 +202,10 @@ TEST(FlameEstimate, NothingIsColderThanTheSurroundings) {
   const SourceFunction source = SourceFunction::total();
   Reconstruction found;
   found.model = RowModel::source;
-  found.values.assign(rings->size(), 0.0);
-  found.values[40] = source(2000);
-  found.values[41] = 3e-4 * source(2000);  // 263 K
-  found.values[60] = 1e-3 * source(2000);  // 356 K
+  found.at_places.assign(rings->size(), 0.0);
+  found.at_places[40] = source(2000);
+  found.at_places[41] = 3e-4 * source(2000);  // 263 K
+  found.at_places[60] = 1e-3 * source(2000);  // 356 K
   const FlameEstimate estimate =
       estimate_flame(found, *rings, std::vector<double>(rings->size(), 30.0), source);
   EXPECT_TRUE(relative(estimate.temperature[40], 2000, 1e-9));

@@ -40,9 +40,8 @@ void add_problem_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option(
           "--noise", arguments.noise,
-          "What the model may err by in each pixel besides the noise of the pictures (grid, "
-          "lens, focus), as a share of the largest value; with too little of it "
-          "reconstructions explain such errors (0.003)")
+          "Standard deviation that is added to each pixel's own, as a share of the largest value: "
+          "for pictures that state none (0)")
       ->check(number_between(0.0, 1.0))
       ->option_text("SHARE");
   command
@@ -63,28 +62,17 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
       ->check(one_of(reconstruction_solvers()))
       ->option_text("NAME");
   command
-      .add_option("--penalty", arguments.penalty,
-                  "On the values (identity), their first differences (gradient), their second "
-                  "(curvature), or none (gradient)")
-      ->check(one_of({"none", "identity", "gradient", "curvature"}))
-      ->option_text("KIND");
-  command
       .add_option("--smoothing", arguments.smoothing,
-                  "Weight of the penalty along each axis of the unknowns, e.g. 3,1,1 where depth "
+                  "Weight of the penalty, which is on second differences, along each axis of the "
+                  "unknowns, e.g. 3,1,1 where depth "
                   "is x (1,1,1)")
       ->option_text("A[,B,C]");
   command
       .add_option("--strength", arguments.strength,
-                  "Of the penalty, relative to the pictures' information; without it, by --rule")
+                  "Of the penalty, relative to the pictures' information; 0: none; without it, by "
+                  "cross-validation; tv needs it")
       ->check(number_between(0.0, 1e12))
       ->option_text("NUMBER");
-  command
-      .add_option("--rule", arguments.rule,
-                  "Strength at which noise explains what is left (discrepancy), of least "
-                  "generalised cross-validation (gcv), or at the corner of the L-curve (l-curve) "
-                  "(discrepancy)")
-      ->check(one_of({"discrepancy", "gcv", "l-curve"}))
-      ->option_text("RULE");
   command.add_option("--iterations", arguments.iterations, "At most, of the last solution (300)")
       ->option_text("N");
   command.add_option("--subsets", arguments.subsets, "Of the rows, for sart and osem (4)")
@@ -114,8 +102,8 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
   add_rows_options(command, arguments.bin, arguments.cells);
   command
       .add_option("--draws", arguments.draws,
-                  "Noise draws for the standard deviations; 0: from the covariance, by the probes "
-                  "(20)")
+                  "Draws of flames that explain the pictures as well, for the standard deviations; "
+                  "0: none (30)")
       ->option_text("N");
   command
       .add_option("--probes", arguments.probes, "Random vectors for what is resolved; 0: none (16)")

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "html_page.h"
 
@@ -53,23 +54,46 @@ HeatMap map_of(const std::string& title, const std::string& unit, const Unknowns
   return map;
 }
 
-void add_field(HtmlPage& html, const ReconstructPage& page, const std::string& name,
-               const std::string& unit, const std::vector<double>& found,
-               const std::vector<double>* truth, double low) {
-  if (found.empty()) return;
-  double high = *std::max_element(found.begin(), found.end());
-  if (truth && !truth->empty()) high = *std::max_element(truth->begin(), truth->end());
-  if (!(high > low)) return;
+struct Field {
+  std::string name, unit;
+  const std::vector<double>& found;
+  const std::vector<double>& deviation;  ///< empty: not known
+  const std::vector<double>* truth = nullptr;
+  double low = 0;  ///< end of the colours
+};
+
+/// Values whose deviation is a half of them or more are not shown.
+std::vector<double> known_values(const Field& field) {
+  constexpr double kHardlyKnown = 0.5;
+  std::vector<double> values = field.found;
+  for (std::size_t j = 0; j < field.deviation.size(); ++j)
+    if (field.deviation[j] > kHardlyKnown * values[j])
+      values[j] = std::numeric_limits<double>::quiet_NaN();
+  return values;
+}
+
+/// The value, its deviation and its error beside the truth, the last two on one scale.
+void add_field(HtmlPage& html, const ReconstructPage& page, const Field& field) {
+  if (field.found.empty()) return;
+  const std::vector<double>* const truth =
+      field.truth && !field.truth->empty() ? field.truth : nullptr;
+  const double high = *std::ranges::max_element(truth ? *truth : field.found);
+  if (!(high > field.low)) return;
+  const double reach = 0.2 * (high - field.low);
+  const std::vector<double> known = known_values(field);
   for (const Slice& slice : slices(page.unknowns, page.result.estimate.emission)) {
-    std::vector<HeatMap> maps{
-        map_of(name + ", " + slice.name, unit, page.unknowns, found, slice, low, high)};
-    if (truth && !truth->empty()) {
-      maps.push_back(map_of("truth", unit, page.unknowns, *truth, slice, low, high));
+    const auto map = [&](const std::string& title, const std::vector<double>& values, double low,
+                         double top) {
+      return map_of(title, field.unit, page.unknowns, values, slice, low, top);
+    };
+    std::vector<HeatMap> maps{map(field.name + ", " + slice.name, known, field.low, high)};
+    if (!field.deviation.empty()) maps.push_back(map("deviation", field.deviation, 0, reach));
+    if (truth) {
+      maps.push_back(map("truth", *truth, field.low, high));
       std::vector<double> difference;
-      for (std::size_t j = 0; j < found.size(); ++j)
-        difference.push_back((*truth)[j] > 0 ? found[j] - (*truth)[j] : 0);
-      const double reach = 0.2 * (high - low);
-      maps.push_back(map_of("difference", unit, page.unknowns, difference, slice, -reach, reach));
+      for (std::size_t j = 0; j < field.found.size(); ++j)
+        difference.push_back((*truth)[j] > 0 ? field.found[j] - (*truth)[j] : 0);
+      maps.push_back(map("error", difference, -reach, reach));
       maps.back().signed_values = true;
     }
     html.heat_maps(maps);
@@ -150,28 +174,22 @@ Plot history_plot(const Reconstruction& figures) {
 
 std::vector<Plot> strength_plots(const Reconstruction& figures) {
   Plot misfit = labelled("Strengths that were tried", "strength", "chi^2 per row");
-  Plot corner = labelled("L-curve", "chi^2 per row", "|L x|^2");
+  Plot errors = labelled("Cross-validation", "strength", "expected error of a row left out");
   PlotSeries all = named("tried"), curve = all, chosen = named("chosen"), chosen_curve = chosen;
   all.colour = curve.colour = plot_colour(1);
   chosen.colour = chosen_curve.colour = plot_colour(0);
   chosen.style = chosen_curve.style = PlotStyle::marks;
-  std::vector<Reconstruction::Trial> trials = figures.trials;
-  std::sort(trials.begin(), trials.end(),
-            [](const auto& a, const auto& b) { return a.strength < b.strength; });
-  for (const auto& trial : trials) {
-    const bool best = trial.strength == figures.strength;
-    if (trial.chi_squared > 0) {
-      all.points.emplace_back(trial.strength, trial.chi_squared);
-      if (best) chosen.points.push_back(all.points.back());
-      if (trial.penalty > 0) {
-        curve.points.emplace_back(trial.chi_squared, trial.penalty);
-        if (best) chosen_curve.points.push_back(curve.points.back());
-      }
-    }
+  const auto rows = static_cast<double>(figures.rows - figures.left_out);
+  for (const auto& trial : figures.trials) {
+    all.points.emplace_back(trial.strength, trial.chi_squared);
+    curve.points.emplace_back(trial.strength, std::sqrt(trial.gcv * rows));
+    if (trial.strength != figures.strength) continue;
+    chosen.points.push_back(all.points.back());
+    chosen_curve.points.push_back(curve.points.back());
   }
   misfit.series = {all, chosen};
-  corner.series = {curve, chosen_curve};
-  return {misfit, corner};
+  errors.series = {curve, chosen_curve};
+  return {misfit, errors};
 }
 
 }  // namespace
@@ -186,15 +204,19 @@ std::string reconstruct_page(const ReconstructPage& page) {
   if (page.unknowns.shape()[1] < 2) {
     add_profile(html, page);
   } else {
-    add_field(html, page, "temperature", "K", estimate.temperature,
-              truth ? &truth->temperature : nullptr, 300);
-    add_field(html, page, "emission", "W/(m^3 sr)", estimate.emission,
-              truth ? &truth->emission : nullptr, 0);
+    const std::vector<double> none;
+    add_field(html, page,
+              {"temperature", "K", estimate.temperature, estimate.temperature_deviation,
+               truth ? &truth->temperature : nullptr, 300});
+    add_field(html, page,
+              {"emission", "W/(m^3 sr)", estimate.emission, estimate.emission_deviation,
+               truth ? &truth->emission : nullptr});
     if (!estimate.absorption_deviation.empty())
-      add_field(html, page, "absorption", "1/m", estimate.absorption,
-                truth ? &truth->absorption : nullptr, 0);
-    add_field(html, page, "resolved", "1: by the pictures; 0: by the penalty", figures.resolved,
-              nullptr, 0);
+      add_field(html, page,
+                {"absorption", "1/m", estimate.absorption, estimate.absorption_deviation,
+                 truth ? &truth->absorption : nullptr});
+    add_field(html, page,
+              {"resolved", "1: by the pictures; 0: by the penalty", figures.resolved, none});
   }
   html.heading("What the pictures say of it");
   add_pictures(html, page);

@@ -66,7 +66,7 @@ ReconstructPanel::ReconstructPanel(Session& session, FileChooser& chooser, QWidg
   make_result();
 
   const auto chosen = QOverload<int>::of(&QComboBox::currentIndexChanged);
-  for (QComboBox* box : {find_, unknowns_, solver_, penalty_})
+  for (QComboBox* box : {find_, unknowns_, solver_})
     connect(box, chosen, this, &ReconstructPanel::show_choices);
   connect(strength_, &QLineEdit::textChanged, this, &ReconstructPanel::show_choices);
   for (QComboBox* box : {field_, axis_}) connect(box, chosen, this, &ReconstructPanel::show_slices);
@@ -157,25 +157,13 @@ void ReconstructPanel::make_choices(QWidget* page) {
   for (const std::string& name : reconstruction_solvers())
     solver_->addItem(QString::fromStdString(name), QString::fromStdString(name));
   solver_->setCurrentIndex(solver_->findData("fista"));
-  penalty_ = choice_of(page, "reconstructPenalty",
-                       tr("What keeps noise out of the result; its strength follows from the "
-                          "noise of the pictures"),
-                       {{tr("default"), ""},
-                        {tr("differences"), "gradient"},
-                        {tr("second differences"), "curvature"},
-                        {tr("size"), "identity"},
-                        {tr("none"), "none"}});
-  rule_ = choice_of(
-      page, "reconstructRule", tr("How the strength of the penalty is chosen"),
-      {{tr("as noise explains"), ""}, {tr("cross-validation"), "gcv"}, {tr("L-curve"), "l-curve"}});
   strength_ = line("reconstructStrength", "",
-                   tr("Strength of the penalty, relative to the pictures' information"));
-  strength_->setPlaceholderText(tr("by the rule"));
-  const QString model_error = QString::number(ReconstructRequest().noise);
-  noise_ = line("reconstructNoise", model_error,
-                tr("What the model may err by in each pixel besides the noise of the pictures, as "
-                   "a share of the largest value: with too little of it such errors are explained "
-                   "by the flame"));
+                   tr("Strength of the penalty, which keeps noise out of the result, relative to "
+                      "the pictures' information"));
+  strength_->setPlaceholderText(tr("by cross-validation"));
+  noise_ = line("reconstructNoise", QString::number(ReconstructRequest().noise),
+                tr("Standard deviation that is added to each pixel's own, as a share of the "
+                   "largest value: for pictures that state none"));
   rays_ = line("reconstructRays", "16", tr("Rays of each row of the problem"));
   bin_ = line("reconstructBin", "1", tr("Pixels along the side of a block that makes one row"));
   iterations_ = line("reconstructIterations", "300", tr("Iterations at most"));
@@ -207,8 +195,6 @@ QWidget* ReconstructPanel::make_form() {
   form->addRow(tr("Channel"), channel_);
   form->addRow(tr("Ratios"), ratios_);
   form->addRow(tr("Solver"), solver_);
-  form->addRow(tr("Penalty"), penalty_);
-  form->addRow(tr("Rule"), rule_);
   form->addRow(tr("Strength"), strength_);
   form->addRow(tr("Noise"), noise_);
   form->addRow(tr("Rays"), rays_);
@@ -434,13 +420,9 @@ void ReconstructPanel::show_choices() {
     if (is_typed) channel_->setEditText(typed);
   }
   solver_->setEnabled(find == "emission");
-  const bool squares =
-      find != "emission" || QStringList{"fista", "nnls", "cgls", "lsqr"}.contains(solver);
-  penalty_->setEnabled(squares);
-  // A solver without penalty has no strength; a strength that is given is not chosen.
-  const bool penalised = squares ? penalty_->currentData().toString() != "none" : solver == "tv";
-  strength_->setEnabled(penalised);
-  rule_->setEnabled(penalised && strength_->text().trimmed().isEmpty());
+  // A solver without penalty has no strength.
+  strength_->setEnabled(find != "emission" ||
+                        QStringList{"fista", "nnls", "cgls", "lsqr", "tv"}.contains(solver));
 }
 
 void ReconstructPanel::start() {
@@ -479,8 +461,6 @@ void ReconstructPanel::start() {
   chosen("channel", channel_);
   typed("absorption-ratios", ratios_);
   chosen("solver", solver_);
-  chosen("penalty", penalty_);
-  chosen("rule", rule_);
   typed("strength", strength_);
   typed("noise", noise_);
   typed("rays", rays_);

@@ -82,8 +82,7 @@ class ReconstructPanel : public QWidget {
   QWidget* result_ = nullptr;
   QTreeWidget* cameras_ = nullptr;
   QComboBox *find_ = nullptr, *unknowns_ = nullptr, *absorption_ = nullptr, *channel_ = nullptr,
-            *solver_ = nullptr, *penalty_ = nullptr, *rule_ = nullptr, *field_ = nullptr,
-            *axis_ = nullptr;
+            *solver_ = nullptr, *field_ = nullptr, *axis_ = nullptr;
   QLineEdit *grid_ = nullptr, *centre_ = nullptr, *size_ = nullptr, *rings_axis_ = nullptr,
             *ratios_ = nullptr, *noise_ = nullptr, *strength_ = nullptr, *rays_ = nullptr,
             *bin_ = nullptr, *iterations_ = nullptr;

@@ -219,9 +219,9 @@ def _pictures_of(images, scenes):
 
 
 def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None,
-                absorption=None, channel=None, absorption_ratios=None, noise=0.003, support=None, all_voxels=False,
-                solver="fista", penalty=None, smoothing=None, strength=None, rule=None, iterations=300, subsets=None,
-                relaxation=None, prior=None, start=None, rays=64, bin=1, cells=None, draws=20, probes=16, spread=(), memory=2000,
+                absorption=None, channel=None, absorption_ratios=None, noise=0, support=None, all_voxels=False,
+                solver="fista", smoothing=None, strength=None, iterations=300, subsets=None,
+                relaxation=None, prior=None, start=None, rays=64, bin=1, cells=None, draws=30, probes=16, spread=(), memory=2000,
                 form="auto", seed=None, truth=False, threads=0, progress=None):
     """The flame back from pictures of it, as `plenoflame reconstruct` (docs/reconstruct.md), whose options these are.
 
@@ -251,7 +251,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
                "rays": rays, "bin": bin, "cells": cells, "draws": draws, "probes": probes, "memory": memory, "seed": seed,
                "smoothing": smoothing, "absorption_ratios": absorption_ratios}
     options.update({name: None if value is None else words(value) for name, value in numbers.items()})
-    options.update(form=form, find=find, solver=solver, penalty=penalty, rule=rule,
+    options.update(form=form, find=find, solver=solver,
                    support=None if support is None else os.fspath(support), start=_set_earlier(algorithm, "start", start),
                    prior=_set_earlier(algorithm, "prior", prior), truth=str(bool(truth)).lower(),
                    all_voxels=str(bool(all_voxels)).lower())

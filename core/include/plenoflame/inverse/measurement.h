@@ -29,6 +29,10 @@ struct Measurement {
   std::size_t negative = 0;   ///< pixels below 0 by more than 5 standard deviations
 };
 
+/// False if a picture says that another camera has taken it: sensor, lens, array, focus or place
+/// differ.
+bool may_be_taken_by(const LightField& picture, const Scene& scene);
+
 /// Takes a channel of a picture: fluxes [W] as render writes them, or electrons as develop writes
 /// them, whose dark signal is taken away: of a sensor with shot noise in both. The deviation is
 /// that of the picture (standard error, or shot and read noise); `noise` times the largest flux is

@@ -13,7 +13,7 @@ namespace plenoflame {
 enum class PenaltyKind {
   identity = 0,        ///< the values themselves; the numbers are orders of differences
   first_differences,   ///< slopes: neighbouring values alike
-  second_differences,  ///< curvature: slopes alike
+  second_differences,  ///< curvature in all directions, also across the axes: slopes alike
 };
 
 /// A field on a regular lattice of up to three axes, last axis fastest.
@@ -22,8 +22,13 @@ struct PenaltyGrid {
   std::array<double, 3> spacing{1, 1, 1};  ///< [m]; ratios count, not the unit
   /// Relative strength along each axis: depth, for instance, may be smoothed more.
   std::array<double, 3> strength{1, 1, 1};
-  /// Unknowns that take part; empty: all. Differences to one that does not are left out.
+  /// Unknowns that take part; empty: all. First differences to one that does not are left out.
   std::vector<char> mask = {};
+  /// The field is 0 beyond the grid and where no unknown takes part, and second differences to
+  /// there count. Otherwise they are left out.
+  bool empty_outside = false;
+  /// The first axis begins at a centre, on both sides of which the field is the same.
+  bool begins_at_centre = false;
 };
 
 /// The penalty |L x|^2 as the operator L. Differences are divided by spacing^order, with the

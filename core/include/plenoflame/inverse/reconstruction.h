@@ -11,7 +11,8 @@
 #include "plenoflame/inverse/camera_rays.h"
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/inverse/row_noise.h"
-#include "plenoflame/inverse/strength.h"
+#include "plenoflame/inverse/solvers.h"
+#include "plenoflame/inverse/suspect.h"
 #include "plenoflame/inverse/unknowns.h"
 #include "plenoflame/radiometry/source_function.h"
 
@@ -37,8 +38,6 @@ bool is_penalised(ReconstructionSolver solver);
 /// Tells whether it goes through the rows of the stored matrix.
 bool wants_matrix(ReconstructionSolver solver);
 
-enum class ReconstructionPenalty { none, identity, gradient, curvature };
-
 /// A state of a reconstruction while it runs.
 struct ReconstructionState {
   std::span<const double> values;  ///< of the unknowns, as Reconstruction's, or temperatures [K]
@@ -50,14 +49,11 @@ struct ReconstructionState {
 struct ReconstructionSettings {
   CameraRaySettings rays;
   ReconstructionSolver solver = ReconstructionSolver::fista;
-  ReconstructionPenalty penalty = ReconstructionPenalty::gradient;
-  /// Weights of differences along each axis of the unknowns, relative to each other.
+  /// Weights of second differences along each axis of the unknowns, relative to each other.
   std::array<double, 3> penalty_axes{1, 1, 1};
-  /// Strength of the penalty, relative to trace(A^T W A) / trace(L^T L), a number without units;
-  /// negative: by the rule. Discrepancy takes the largest at which chi^2 is
-  /// the number of rows and two standard deviations of it.
+  /// Strength of the penalty, relative to penalty_unit(), a number without units; negative: by
+  /// cross-validation (strength.h).
   double strength = -1;
-  StrengthRule rule = StrengthRule::discrepancy;
   int iterations = 300;
   int subsets = 4;         ///< of sart and osem
   double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.05
@@ -65,9 +61,9 @@ struct ReconstructionSettings {
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).
   bool ray_noise = true;
-  int draws = 20;   ///< noise draws for the standard deviations; 0: none
-  int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none. Without
-                    ///< draws they give the standard deviations as well, by the covariance
+  int draws = 30;          ///< of the posterior, for the standard deviations; 0: none
+  bool test_model = true;  ///< after deviations: suspect.h
+  int probes = 16;         ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
   double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
   /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
@@ -105,8 +101,14 @@ struct Reconstruction {
   /// Samples of each unknown: source function [W/(m^2 sr)] where the absorption is known, else
   /// emission [W/(m^3 sr)].
   std::vector<double> values;
-  /// Deviation by noise alone; empty: not asked for. Without noise draws by the covariance.
+  /// The flame at the places of the unknowns, from these samples: values_at_places().
+  std::vector<double> at_places;
+  /// Standard deviations of that (uncertainty.h), times noise_factor; empty: no draws, or the
+  /// solver has no quadratic penalty.
   std::vector<double> deviation;
+  /// Root of chi^2 over the rows less the unknowns that they determine; at least 1. Above 1 the
+  /// pictures differ from the model by this multiple of their noise.
+  double noise_factor = 1;
   /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
   std::vector<double> resolved;
   double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not asked for
@@ -131,12 +133,19 @@ struct Reconstruction {
   double rendered_chi_squared = -1;
   struct Trial {
     double strength, chi_squared, penalty;
-    double gcv;  ///< negative: not looked at
+    double gcv;
   };
   std::vector<Trial> trials;    ///< strengths that were looked at: the L-curve
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
+  /// That of the unknown that shines most: its widths are the resolution. Empty as `resolved`.
+  std::vector<PointSpread> resolution;
+  /// Faults of the cameras, those first that the pictures name; empty: no test of the model.
+  std::vector<Suspect> suspects;
+  /// Per view: share of the light that pixels see which look past all unknowns, where it is above
+  /// its noise. Light of lamps and surfaces is not told from it: none then.
+  std::vector<double> light_outside;
   bool complete = true;  ///< false: stopped early; what was reached by then
   /// Per view, [W] what the reconstruction explains and the measured rows, at the first pixel of
   /// each row; 0 elsewhere.

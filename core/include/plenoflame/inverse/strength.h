@@ -1,25 +1,16 @@
 #pragma once
-#include <functional>
-#include <string>
 #include <vector>
 
 #include "plenoflame/inverse/solvers.h"
 
 namespace plenoflame {
 
-/// Rules by which the strength of a penalty is chosen.
-enum class StrengthRule {
-  discrepancy,  ///< the misfit is what the noise lets expect: the number of rows with a weight
-  gcv,          ///< least generalised cross-validation (Golub, Heath and Wahba 1979)
-  l_curve,      ///< the corner of log misfit against log penalty (Hansen 1992)
-};
-
 /// A strength that was tried.
 struct StrengthPoint {
   double strength = 0;  ///< relative: the absolute one is the unit times it
   double misfit = 0;    ///< |W (A x - b)|^2
   double penalty = 0;   ///< |L (x - prior)|^2
-  double gcv = -1;      ///< misfit / (m - trace of the influence matrix)^2; negative: not asked for
+  double gcv = 0;       ///< misfit / (m - trace of the influence matrix)^2, see choose_strength()
 };
 
 struct StrengthChoice {
@@ -28,32 +19,26 @@ struct StrengthChoice {
   std::vector<StrengthPoint> curve;
   /// The best one lies at the end of the range: look at the curve, or widen the range.
   bool at_end = false;
-  bool reached = true;  ///< discrepancy: some strength leaves as little as is expected
-  Solution solution;    ///< with this strength
+  Solution solution;  ///< with this strength; it may have negative values
 };
 
 struct StrengthRange {
   double lowest = 1e-6, highest = 1e4;  ///< relative
-  int points = 11;                      ///< of the curve; all rules go on between two of them
-  double expected_misfit = 0;           ///< for discrepancy; 0: the number of rows with a weight
-  int bisections = 20;                  ///< of discrepancy, at most
-  double tolerance = 0.002;             ///< of discrepancy's misfit, relative, at which they end
-  int probes = 4;                       ///< random vectors for GCV's trace
-  int probe_iterations = 500;           ///< for each of them, at most
+  int points = 11;                      ///< of the curve; the search goes on between two of them
+  int probes = 4;                       ///< random vectors for the trace
+  int iterations = 500;                 ///< of each solution, at most
 };
 
-/// Solves a problem with a given absolute strength from a start.
-using StrengthSolver = std::function<Solution(double strength, const std::vector<double>& start)>;
-
-/// Tries strengths from the strongest to the weakest, each from the solution before; then others
-/// about the best one. Where the discrepancy reaches what is expected with none (the model is wrong
-/// by more than the noise), it is the strongest one that leaves at most a tenth more than the
-/// least.
+/// The strength of least generalised cross-validation (Golub, Heath and Wahba 1979), of the problem
+/// without bounds. The number m is that of independent errors: of rows, but at most five for each
+/// unknown. Errors of a lattice are shared by the pixels that see them. Strengths are tried from
+/// the strongest to the weakest, until two in a row are worse than the best; then others about the
+/// best one.
 /// @param unit the absolute strength for a relative one of 1, e.g. penalty_unit()
-/// @param solve what is solved with, e.g. solve_cgls or solve_nnls
+/// @param options start, end and watch of the solutions; the range has their iterations
 /// @throws UsageError for an empty range
-StrengthChoice choose_strength(const LinearProblem& problem, const LinearOperator& penalty,
-                               double unit, StrengthRule rule, const StrengthRange& range,
-                               const StrengthSolver& solve, const Execution& execution = {});
+StrengthChoice choose_strength(const LinearProblem& problem, const Regularisation& penalty,
+                               double unit, const StrengthRange& range,
+                               const SolverOptions& options, const Execution& execution = {});
 
 }  // namespace plenoflame

@@ -20,6 +20,10 @@ class Unknowns {
   virtual std::array<int, 3> shape() const = 0;
   /// Distance of samples along each of these axes [m].
   virtual std::array<double, 3> spacing() const = 0;
+  /// True if the first axis begins at a centre, on both sides of which the field is the same.
+  virtual bool begins_at_centre() const { return false; }
+  /// True if the field is linear between samples.
+  virtual bool is_linear() const { return true; }
   /// World box outside of which every basis function is 0.
   virtual Box bounds() const = 0;
   /// World place that an unknown stands for (of a ring, one of its points).
@@ -32,6 +36,15 @@ class Unknowns {
   /// Values as a field on a lattice of voxels, 0 outside. @param background of the field
   virtual VoxelField field(std::span<const double> values, const std::string& name) const = 0;
 };
+
+/// Values at the places of the unknowns of a smooth field, from the samples whose straight lines
+/// come nearest to it. Such lines cut corners: in least squares samples lie a twelfth of the second
+/// difference beyond the field, which is brought back along each axis. Sums stay as they are.
+/// @param solved unknowns of which it is 0 are and stay empty; empty: none
+std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const double> samples,
+                                     const std::vector<char>& solved);
+/// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.
+std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const double> values);
 
 /// Voxels of a regular lattice.
 /// @throws InputError for a singular transform or an axis without samples

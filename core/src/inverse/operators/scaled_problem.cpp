@@ -30,20 +30,6 @@ std::vector<double> seen_by_counting_rows(const LinearOperator& a,
   return transposed_times(a, counts);
 }
 
-PenaltyKind kind_of(ReconstructionPenalty penalty) {
-  switch (penalty) {
-    case ReconstructionPenalty::identity:
-      return PenaltyKind::identity;
-    case ReconstructionPenalty::gradient:
-      return PenaltyKind::first_differences;
-    case ReconstructionPenalty::curvature:
-      return PenaltyKind::second_differences;
-    case ReconstructionPenalty::none:
-      break;
-  }
-  throw UsageError("this penalty is none");
-}
-
 std::vector<char> taking_part(const std::vector<double>& scale) {
   std::vector<char> mask;
   for (const double s : scale) mask.push_back(s > 0);
@@ -53,12 +39,14 @@ std::vector<char> taking_part(const std::vector<double>& scale) {
 }  // namespace
 
 ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unknowns& unknowns,
-                              std::vector<char> mask) {
+                              std::vector<char> mask, bool empty_outside) {
   PenaltyGrid grid;
   grid.shape = unknowns.shape();
   grid.spacing = unknowns.spacing();
   grid.strength = settings.penalty_axes;
   grid.mask = std::move(mask);
+  grid.empty_outside = empty_outside;
+  grid.begins_at_centre = unknowns.begins_at_centre();
   ChosenPenalty chosen;
   if (settings.solver == ReconstructionSolver::tv) {
     // Its penalty goes with the flame's brightness, the misfit with its square: the root of the
@@ -66,10 +54,9 @@ ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unkn
     chosen.reference = std::pow(reference_penalty(grid, 1, 1), 2);
     chosen.root = true;
     chosen.l = make_gradient(grid);
-  } else if (is_penalised(settings.solver) && settings.penalty != ReconstructionPenalty::none) {
-    const PenaltyKind kind = kind_of(settings.penalty);
-    chosen.reference = reference_penalty(grid, static_cast<int>(kind));
-    chosen.l = make_penalty(kind, grid);
+  } else if (is_penalised(settings.solver)) {
+    chosen.reference = reference_penalty(grid, 2);
+    chosen.l = make_penalty(PenaltyKind::second_differences, grid);
   }
   if (chosen.l && !(chosen.l->squared_norm({}) > 0))
     throw InputError("the penalty has no rows: every strength is 0, or all unknowns stand alone");
@@ -130,7 +117,7 @@ ScaledProblem::ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperato
       scale_(std::move(scale)),
       settings_(settings),
       scaled_a_(a, scale_),
-      penalty_(make_penalty_of(settings, unknowns, taking_part(scale_))) {
+      penalty_(make_penalty_of(settings, unknowns, taking_part(scale_), true)) {
   if (penalty_.l) {
     scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_.l, scale_);
     std::vector<double> uniform;
@@ -199,21 +186,28 @@ Solution ScaledProblem::solve(std::span<const double> b, double strength,
                         execution);
 }
 
-StrengthChoice ScaledProblem::choose(std::span<const double> b, double expected,
-                                     const std::vector<double>& start, const SolverOptions& options,
+std::vector<double> ScaledProblem::without_bounds(std::span<const double> b, double strength,
+                                                  const Execution& execution) const {
+  SolverOptions options;
+  options.iterations = std::min(settings_.iterations, kLinearRange.iterations);
+  options.gradient = kGradient * noise_gradient_;
+  options.relative_change = 0;
+  Solution solution = solve_cgls(problem(b), regularisation(strength), options, execution);
+  for (double& value : solution.x) value = std::max(value, 0.0);
+  return samples(solution.x);
+}
+
+StrengthChoice ScaledProblem::choose(std::span<const double> b, const std::vector<double>& start,
+                                     const StrengthRange& range, const SolverOptions& options,
                                      const Execution& execution) const {
-  if (settings_.rule == StrengthRule::gcv && settings_.solver == ReconstructionSolver::tv)
-    throw UsageError("cross-validation is for penalties that are squares, not for tv");
-  StrengthRange range = penalty_.root ? kVariationRange : kLinearRange;
-  range.expected_misfit = expected;
-  bool first = true;
-  const StrengthSolver solver = [&](double strength, const std::vector<double>& before) {
-    const std::vector<double> from = first && !start.empty() ? scaled(start) : before;
-    first = false;
-    return solve_absolute(b, strength, from, options, execution);
-  };
-  return choose_strength(problem(b), *scaled_penalty_, unit_, settings_.rule, range, solver,
-                         execution);
+  SolverOptions own = options;
+  if (!start.empty()) own.start = scaled(start);
+  own.gradient = kGradient * noise_gradient_;
+  own.relative_change = 0;
+  StrengthChoice choice =
+      choose_strength(problem(b), {scaled_penalty_.get(), 0, prior_}, unit_, range, own, execution);
+  for (double& value : choice.solution.x) value = std::max(value, 0.0);
+  return choice;
 }
 
 Solution ScaledProblem::solve_absolute(std::span<const double> b, double strength,

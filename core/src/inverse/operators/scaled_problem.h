@@ -7,13 +7,12 @@
 #include "plenoflame/inverse/linear_operator.h"
 #include "plenoflame/inverse/reconstruction.h"
 #include "plenoflame/inverse/solvers.h"
+#include "plenoflame/inverse/strength.h"
 
 namespace plenoflame {
 
 /// Strengths that are looked at.
-inline constexpr StrengthRange kLinearRange{1e-9, 1, 10, 0, 8, 0.01, 2, 100};
-/// The same of total variation, whose unit is the root of a misfit.
-inline constexpr StrengthRange kVariationRange{1e-5, 1e3, 9, 0, 8, 0.01, 2, 100};
+inline constexpr StrengthRange kLinearRange{1e-10, 1, 11, 2, 200};
 
 /// The penalty of a reconstruction on one value per unknown.
 struct ChosenPenalty {
@@ -26,9 +25,10 @@ struct ChosenPenalty {
               std::span<const double> uniform) const;
 };
 
-/// @param mask unknowns of which it is 0 have no part in the penalty
+/// @param mask unknowns of which it is 0 have no part in the penalty @param empty_outside where
+/// none takes part the field is 0
 ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unknowns& unknowns,
-                              std::vector<char> mask);
+                              std::vector<char> mask, bool empty_outside);
 
 /// A diag(scale): the unknowns in units of their own. Those of scale 0 play no part.
 class ScaledColumns final : public LinearOperator {
@@ -58,9 +58,12 @@ class ScaledProblem {
   /// In units of u. @param strength relative  @param start in x's units; empty: none
   Solution solve(std::span<const double> b, double strength, const std::vector<double>& start,
                  const SolverOptions& options, const Execution& execution) const;
-  /// By the rule of the settings. @param expected misfit that noise leaves
-  StrengthChoice choose(std::span<const double> b, double expected,
-                        const std::vector<double>& start, const SolverOptions& options,
+  /// Least squares without bounds, with negative values cut off: a start, in x's units.
+  std::vector<double> without_bounds(std::span<const double> b, double strength,
+                                     const Execution& execution) const;
+  /// By cross-validation. Values of the solution are not negative.
+  StrengthChoice choose(std::span<const double> b, const std::vector<double>& start,
+                        const StrengthRange& range, const SolverOptions& options,
                         const Execution& execution) const;
 
   /// The quadratic problem and its penalty in u, for uncertainties.

@@ -3,25 +3,34 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <initializer_list>
 
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
 namespace {
 
-constexpr std::size_t kMostTerms = 3;
+constexpr std::size_t kMostTerms = 4;
 
-/// Rows of at most three entries.
+/// Rows of at most four entries.
 class DifferenceOperator final : public LinearOperator {
  public:
   explicit DifferenceOperator(std::size_t columns) : columns_(columns) {}
 
-  void add_row(const std::array<std::size_t, kMostTerms>& columns,
-               const std::array<double, kMostTerms>& values) {
+  struct Term {
+    std::size_t column;
+    double value;
+  };
+  /// @param terms at most kMostTerms
+  void add_row(std::span<const Term> terms) {
     for (std::size_t k = 0; k < kMostTerms; ++k) {
-      column_.push_back(static_cast<std::uint32_t>(columns[k]));
-      value_.push_back(values[k]);
+      const Term term = k < terms.size() ? terms[k] : Term{terms[0].column, 0};
+      column_.push_back(static_cast<std::uint32_t>(term.column));
+      value_.push_back(term.value);
     }
+  }
+  void add_row(std::initializer_list<Term> terms) {
+    add_row(std::span<const Term>(terms.begin(), terms.size()));
   }
 
   std::size_t rows() const override { return value_.size() / kMostTerms; }
@@ -29,7 +38,7 @@ class DifferenceOperator final : public LinearOperator {
   void apply(std::span<const double> x, std::span<double> y) const override {
     for (std::size_t row = 0, k = 0; row < y.size(); ++row, k += kMostTerms)
       y[row] = value_[k] * x[column_[k]] + value_[k + 1] * x[column_[k + 1]] +
-               value_[k + 2] * x[column_[k + 2]];
+               value_[k + 2] * x[column_[k + 2]] + value_[k + 3] * x[column_[k + 3]];
   }
   void apply_transpose(std::span<const double> y, std::span<double> x) const override {
     std::fill(x.begin(), x.end(), 0.0);
@@ -93,32 +102,97 @@ void for_each(const PenaltyGrid& grid, const Use& use) {
       for (int k = 0; k < grid.shape[2]; ++k) use(unknown++, std::array<int, 3>{i, j, k});
 }
 
+/// Rows of second differences. A place that no unknown has, or whose unknown takes no part, is
+/// empty or ends the differences.
+class SecondDifferences {
+ public:
+  explicit SecondDifferences(const PenaltyGrid& grid) : grid_(grid), stride_(strides(grid)) {}
+
+  /// The difference of an unknown and its neighbours along an axis.
+  void add_along(const std::array<int, 3>& at, std::size_t axis, DifferenceOperator& to) const {
+    const double scale = axis_scale(grid_, axis, 2);
+    std::vector<DifferenceOperator::Term> row{{number(at), -2 * scale}};
+    for (const int side : {-1, 1}) {
+      std::array<int, 3> neighbour = at;
+      neighbour[axis] += side;
+      if (axis == 0 && grid_.begins_at_centre) neighbour[0] = std::abs(neighbour[0]);
+      if (takes_part(neighbour))
+        row.push_back({number(neighbour), scale});
+      else if (!grid_.empty_outside)
+        return;
+    }
+    to.add_row(row);
+  }
+
+  /// Across two axes: of each square of four places of which this is the first to take part. The
+  /// curvature of a field holds it twice.
+  void add_across(const std::array<int, 3>& at, const std::array<std::size_t, 2>& axes,
+                  DifferenceOperator& to) const {
+    const auto [a, b] = axes;
+    if (grid_.shape[b] < 2 || grid_.strength[b] == 0) return;
+    const double scale = std::sqrt(2 * axis_scale(grid_, a, 2) * axis_scale(grid_, b, 2));
+    for (const int back_a : {0, 1})
+      for (const int back_b : {0, 1}) {
+        std::array<int, 3> first = at;
+        first[a] -= back_a;
+        first[b] -= back_b;
+        // On the other side of the centre is the same square again.
+        if (a == 0 && grid_.begins_at_centre && first[0] < 0) continue;
+        std::vector<DifferenceOperator::Term> row;
+        bool whole = true;
+        for (const int step_a : {0, 1})
+          for (const int step_b : {0, 1}) {
+            std::array<int, 3> corner = first;
+            corner[a] += step_a;
+            corner[b] += step_b;
+            if (takes_part(corner))
+              row.push_back({number(corner), step_a == step_b ? scale : -scale});
+            else
+              whole = false;
+          }
+        if (row.front().column == number(at) && (whole || grid_.empty_outside)) to.add_row(row);
+      }
+  }
+
+ private:
+  std::size_t number(const std::array<int, 3>& at) const {
+    std::size_t unknown = 0;
+    for (std::size_t a = 0; a < 3; ++a) unknown += static_cast<std::size_t>(at[a]) * stride_[a];
+    return unknown;
+  }
+  bool takes_part(const std::array<int, 3>& at) const {
+    for (std::size_t a = 0; a < 3; ++a)
+      if (at[a] < 0 || at[a] >= grid_.shape[a]) return false;
+    return grid_.mask.empty() || grid_.mask[number(at)] != 0;
+  }
+
+  const PenaltyGrid& grid_;
+  std::array<std::size_t, 3> stride_;
+};
+
 }  // namespace
 
 std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid& grid) {
-  const std::size_t size = size_of(grid);
-  auto result = std::make_unique<DifferenceOperator>(size);
+  auto result = std::make_unique<DifferenceOperator>(size_of(grid));
   const auto takes_part = [&](std::size_t unknown) {
     return grid.mask.empty() || grid.mask[unknown] != 0;
   };
   const auto stride = strides(grid);
-  const int order = kind == PenaltyKind::second_differences ? 2 : 1;
+  const SecondDifferences second(grid);
   for_each(grid, [&](std::size_t unknown, const std::array<int, 3>& at) {
     if (!takes_part(unknown)) return;
-    if (kind == PenaltyKind::identity) {
-      result->add_row({unknown, unknown, unknown}, {1, 0, 0});
-      return;
-    }
+    if (kind == PenaltyKind::identity) return result->add_row({{unknown, 1}});
     for (std::size_t a = 0; a < 3; ++a) {
-      if (at[a] + order >= grid.shape[a] || grid.strength[a] == 0) continue;
-      const std::size_t next = unknown + stride[a];
-      const std::size_t last = order == 2 ? next + stride[a] : next;
-      if (!takes_part(next) || !takes_part(last)) continue;
-      const double scale = axis_scale(grid, a, order);
-      if (order == 1)
-        result->add_row({unknown, next, next}, {-scale, scale, 0});
-      else
-        result->add_row({unknown, next, last}, {scale, -2 * scale, scale});
+      if (grid.shape[a] < 2 || grid.strength[a] == 0) continue;
+      if (kind == PenaltyKind::second_differences) {
+        second.add_along(at, a, *result);
+        for (std::size_t other = a + 1; other < 3; ++other)
+          second.add_across(at, {a, other}, *result);
+        continue;
+      }
+      if (at[a] + 1 >= grid.shape[a] || !takes_part(unknown + stride[a])) continue;
+      const double scale = axis_scale(grid, a, 1);
+      result->add_row({{unknown, -scale}, {unknown + stride[a], scale}});
     }
   });
   return result;
@@ -134,7 +208,7 @@ std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid) {
       const bool inside = at[a] + 1 < grid.shape[a] &&
                           (grid.mask.empty() || (grid.mask[unknown] != 0 && grid.mask[next] != 0));
       const double scale = inside ? axis_scale(grid, a, 1) : 0;
-      result->add_row({unknown, inside ? next : unknown, unknown}, {-scale, scale, 0});
+      result->add_row({{unknown, -scale}, {inside ? next : unknown, scale}});
     }
   });
   return result;

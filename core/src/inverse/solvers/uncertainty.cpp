@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <random>
 
 #include "inverse/operators/stacked_operator.h"
@@ -43,48 +44,91 @@ std::vector<double> weighted_model(const LinearProblem& problem, std::span<const
   return y;
 }
 
+/// For what a step of the work asks for.
+Execution quiet(const Execution& execution) {
+  Execution inner = execution;
+  inner.progress = nullptr;
+  return inner;
+}
+
+/// Standard normal numbers by Box and Muller: std::normal_distribution is not the same everywhere.
+class NormalSequence {
+ public:
+  explicit NormalSequence(std::uint64_t seed) : random_(seed) {}
+  std::vector<double> next(std::size_t count) {
+    std::vector<double> numbers(count);
+    for (double& number : numbers)
+      number = std::sqrt(-2 * std::log(uniform())) * std::cos(2 * std::numbers::pi * uniform());
+    return numbers;
+  }
+
+ private:
+  double uniform() { return (static_cast<double>(random_() >> 11) + 0.5) * 0x1p-53; }
+  std::mt19937_64 random_;
+};
+
+void report(const Execution& execution, int done, int all) {
+  if (!execution.progress) return;
+  Progress progress;
+  progress.fraction = static_cast<double>(done) / all;
+  execution.progress(progress);
+}
+
 }  // namespace
 
-Uncertainty estimate_uncertainty(const LinearProblem& problem, const Regularisation& regularisation,
-                                 int probes, std::uint64_t seed, const Execution& execution,
-                                 const ProbeAccuracy& accuracy,
-                                 const std::function<void(std::span<const double>)>& moved) {
+Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisation& regularisation,
+                                int probes, std::uint64_t seed, const Execution& execution,
+                                const ProbeAccuracy& accuracy) {
   check(problem, regularisation);
-  if (probes < 1) throw UsageError("the uncertainty wants at least one probe");
-  const std::size_t columns = problem.a->columns();
-  const Execution inner = [&] {
-    Execution e = execution;
-    e.progress = nullptr;
-    return e;
-  }();
+  if (probes < 1) throw UsageError("at least one probe is needed");
+  const Execution inner = quiet(execution);
   Uncertainty result;
-  result.resolved.assign(columns, 0.0);
-  result.deviation.assign(accuracy.deviations ? columns : 0, 0.0);
+  result.resolved.assign(problem.a->columns(), 0.0);
   SignSequence signs(seed + 1);
-  std::vector<double> z(columns), c(problem.a->rows());
+  std::vector<double> z(problem.a->columns());
   for (int probe = 0; probe < probes; ++probe) {
     if (execution.stop.stop_requested()) throw Cancelled();
     for (double& value : z) value = signs.next();
     // z * (R z) has the mean diag(R) over random signs.
     const std::vector<double> r =
         pull_back(problem, regularisation, weighted_model(problem, z), accuracy, inner);
-    for (std::size_t j = 0; j < columns; ++j) result.resolved[j] += z[j] * r[j] / probes;
-    if (accuracy.deviations) {
-      // Noise of unit variance, pulled back: the variance of each unknown is that of its square.
-      for (double& value : c) value = signs.next();
-      const std::vector<double> v = pull_back(problem, regularisation, c, accuracy, inner);
-      for (std::size_t j = 0; j < columns; ++j) result.deviation[j] += v[j] * v[j] / probes;
-      if (moved) moved(v);
-    }
-    if (execution.progress) {
-      Progress progress;
-      progress.fraction = static_cast<double>(probe + 1) / probes;
-      execution.progress(progress);
-    }
+    for (std::size_t j = 0; j < z.size(); ++j) result.resolved[j] += z[j] * r[j] / probes;
+    report(execution, probe + 1, probes);
   }
-  for (double& value : result.deviation) value = std::sqrt(value);
   for (const double value : result.resolved) result.resolved_unknowns += value;
   return result;
+}
+
+void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation, int draws,
+                    std::uint64_t seed, const std::function<void(std::span<const double>)>& use,
+                    const Execution& execution, const ProbeAccuracy& accuracy) {
+  check(problem, regularisation);
+  if (draws < 1) throw UsageError("at least one draw is needed");
+  const Execution inner = quiet(execution);
+  const StackedOperator stacked(problem, regularisation);
+  NormalSequence random(seed);
+  for (int draw = 0; draw < draws; ++draw) {
+    if (execution.stop.stop_requested()) throw Cancelled();
+    std::vector<double> noise = random.next(stacked.rows());
+    for (std::size_t i = 0; i < problem.weights.size(); ++i)
+      if (!(problem.weights[i] > 0)) noise[i] = 0;
+    use(solve_cgls({&stacked, noise}, {}, options_of(accuracy), inner).x);
+    report(execution, draw + 1, draws);
+  }
+}
+
+void draw_prior(const Regularisation& regularisation, int draws, std::uint64_t seed,
+                const std::function<void(std::span<const double>)>& use, const Execution& execution,
+                const ProbeAccuracy& accuracy) {
+  if (!regularisation.penalty || !(regularisation.strength > 0) || draws < 1)
+    throw UsageError("draws of a prior need a penalty with a strength, and at least one draw");
+  NormalSequence random(seed);
+  for (int draw = 0; draw < draws; ++draw) {
+    if (execution.stop.stop_requested()) throw Cancelled();
+    std::vector<double> noise = random.next(regularisation.penalty->rows());
+    for (double& value : noise) value /= std::sqrt(regularisation.strength);
+    use(solve_cgls({regularisation.penalty, noise}, {}, options_of(accuracy), quiet(execution)).x);
+  }
 }
 
 Uncertainty exact_uncertainty(const LinearProblem& problem, const Regularisation& regularisation) {
@@ -109,7 +153,7 @@ Uncertainty exact_uncertainty(const LinearProblem& problem, const Regularisation
   }
   const Eigen::LDLT<Eigen::MatrixXd> inverse(normal);
   const Eigen::MatrixXd resolution = inverse.solve(data);
-  const Eigen::MatrixXd covariance = inverse.solve(resolution.transpose());
+  const Eigen::MatrixXd covariance = inverse.solve(Eigen::MatrixXd::Identity(n, n));
   Uncertainty result;
   for (Eigen::Index j = 0; j < n; ++j) {
     result.resolved.push_back(resolution(j, j));
@@ -155,46 +199,6 @@ std::array<double, 3> half_widths(std::span<const double> values, const std::arr
     widths[a] = (reach(true) + reach(false)) * spacing[a];
   }
   return widths;
-}
-
-Bootstrap bootstrap(std::span<const double> model, std::span<const double> weights, int draws,
-                    std::uint64_t seed,
-                    const std::function<std::vector<double>(std::span<const double>)>& solve,
-                    const Execution& execution) {
-  if (draws < 2) throw UsageError("a bootstrap wants at least two draws");
-  std::mt19937_64 random(seed);
-  // Box and Muller: std::normal_distribution is not the same everywhere.
-  const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1p-53; };
-  const auto normal = [&] {
-    return std::sqrt(-2 * std::log(uniform())) * std::cos(6.283185307179586 * uniform());
-  };
-  Bootstrap result;
-  std::vector<double> squares, b(model.size());
-  for (int draw = 0; draw < draws; ++draw) {
-    if (execution.stop.stop_requested()) throw Cancelled();
-    for (std::size_t i = 0; i < b.size(); ++i) {
-      const double w = weights.empty() ? 1 : weights[i];
-      b[i] = model[i] + (w > 0 ? normal() / w : 0);
-    }
-    const std::vector<double> x = solve(b);
-    if (result.mean.empty()) {
-      result.mean.assign(x.size(), 0.0);
-      squares.assign(x.size(), 0.0);
-    }
-    // Welford's update.
-    for (std::size_t j = 0; j < x.size(); ++j) {
-      const double difference = x[j] - result.mean[j];
-      result.mean[j] += difference / (draw + 1);
-      squares[j] += difference * (x[j] - result.mean[j]);
-    }
-    if (execution.progress) {
-      Progress progress;
-      progress.fraction = static_cast<double>(draw + 1) / draws;
-      execution.progress(progress);
-    }
-  }
-  for (const double square : squares) result.deviation.push_back(std::sqrt(square / (draws - 1)));
-  return result;
 }
 
 }  // namespace plenoflame

@@ -32,10 +32,10 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold) {
   FlameEstimate estimate;
-  estimate.emission = reconstruction.values;
+  estimate.emission = reconstruction.at_places;
   estimate.emission_deviation = reconstruction.deviation;
   if (reconstruction.model == RowModel::emission) return estimate;
-  const std::size_t n = reconstruction.values.size();
+  const std::size_t n = reconstruction.at_places.size();
   estimate.absorption = absorption;
   for (std::size_t j = 0; j < n; ++j) {
     estimate.emission[j] *= absorption[j];
@@ -46,9 +46,9 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
   if (!reconstruction.deviation.empty()) estimate.temperature_deviation.assign(n, 0.0);
   double largest = 0;
   for (std::size_t j = 0; j < n; ++j)
-    if (absorption[j] > 0) largest = std::max(largest, reconstruction.values[j]);
+    if (absorption[j] > 0) largest = std::max(largest, reconstruction.at_places[j]);
   for (std::size_t j = 0; j < n; ++j) {
-    const double value = reconstruction.values[j];
+    const double value = reconstruction.at_places[j];
     const double deviation = reconstruction.deviation.empty() ? 0 : reconstruction.deviation[j];
     if (!(absorption[j] > 0) || !(value > threshold * largest)) continue;
     const double t = temperature_of(source, value);

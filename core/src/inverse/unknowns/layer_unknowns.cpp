@@ -28,6 +28,7 @@ class LayerUnknowns : public Unknowns {
     const double step = grid_.semi_axes.x / grid_.layers;
     return {step, step, step};
   }
+  bool begins_at_centre() const override { return true; }
   Box bounds() const override {
     return {grid_.centre - grid_.semi_axes, grid_.centre + grid_.semi_axes};
   }

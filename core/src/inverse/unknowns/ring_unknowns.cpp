@@ -72,6 +72,7 @@ class RingUnknowns : public Unknowns {
   std::array<double, 3> spacing() const override {
     return {grid_.radial_step, grid_.height_step, grid_.radial_step};
   }
+  bool begins_at_centre() const override { return true; }
   Box bounds() const override {
     const double radius = grid_.rings * grid_.radial_step;
     const double low = -grid_.height_step, high = grid_.heights * grid_.height_step;

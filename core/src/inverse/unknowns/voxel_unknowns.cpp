@@ -18,8 +18,11 @@ class VoxelUnknowns : public Unknowns {
   std::size_t size() const override { return lattice().size(); }
   std::array<int, 3> shape() const override { return lattice().count; }
   std::array<double, 3> spacing() const override { return spacing_; }
+  bool is_linear() const override {
+    return lattice().interpolation != VoxelInterpolation::constant;
+  }
   Box bounds() const override {
-    const double reach = lattice().interpolation == VoxelInterpolation::constant ? 0.5 : 1;
+    const double reach = is_linear() ? 1 : 0.5;
     Box box;
     for (int corner = 0; corner < 8; ++corner) {
       std::array<double, 3> at{};

@@ -1,0 +1,119 @@
+#include "reconstruct_verdict.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "options.h"
+#include "readable.h"
+
+namespace plenoflame {
+namespace {
+
+/// Above this part of a value its deviation says that hardly anything is known.
+constexpr double kHardlyKnown = 0.5;
+/// A smaller part of a camera's light beside the block is its blur and no flame that is cut.
+constexpr double kCut = 0.01;
+
+/// "0.51 +- 0.03" in a unit.
+std::string amount(const Suspect& suspect, double unit) {
+  return fmt::format("{:.2g} +- {:.1g}", std::fabs(suspect.estimate) / unit,
+                     suspect.deviation / unit);
+}
+
+std::string sentence(const Suspect& suspect, const std::string& kind, const std::string& camera,
+                     std::size_t cameras) {
+  const bool more = suspect.estimate > 0;
+  switch (suspect.kind) {
+    case SuspectKind::exposure:
+      return fmt::format("{}: {} % {} than the others.", camera, amount(suspect, 0.01),
+                         more ? "brighter" : "darker");
+    case SuspectKind::stray_light:
+      return fmt::format("{}: {} W {} in every row, as of stray light or a wrong dark signal.",
+                         camera, amount(suspect, 1), more ? "too much" : "too little");
+    case SuspectKind::right:
+      if (cameras == 1 && kind != "voxels")
+        return fmt::format("The axis is {} mm too far {} in the picture of {}.",
+                           amount(suspect, 1e-3), more ? "right" : "left", camera);
+      return fmt::format("{}: it stands {} mm farther {} than the scene says, or is turned{}.",
+                         camera, amount(suspect, 1e-3), more ? "right" : "left",
+                         cameras < 4 ? ", or another camera is" : "");
+    case SuspectKind::up:
+      return fmt::format("{}: it stands {} mm {} than the scene says, or is tilted.", camera,
+                         amount(suspect, 1e-3), more ? "higher" : "lower");
+    case SuspectKind::turn:
+      return fmt::format("{}: it is turned about its line of sight by {} deg {}.", camera,
+                         amount(suspect, std::numbers::pi / 180),
+                         more ? "clockwise" : "counter-clockwise");
+    case SuspectKind::focus:
+      return fmt::format("{}: it is focused {} % {} than the scene says.", camera,
+                         amount(suspect, 0.01), more ? "farther" : "nearer");
+  }
+  return "";
+}
+
+}  // namespace
+
+MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& unknowns) {
+  double power = 0, hot = 0, emission = 0, temperature = 0, absorption = 0;
+  for (std::size_t j = 0; j < estimate.emission.size(); ++j) {
+    const double light = unknowns.volume(j) * estimate.emission[j];
+    power += light;
+    if (!estimate.emission_deviation.empty())
+      emission += unknowns.volume(j) * estimate.emission_deviation[j];
+    if (estimate.temperature.empty() || !(estimate.temperature[j] > 0)) continue;
+    hot += light;
+    if (!estimate.temperature_deviation.empty())
+      temperature += light * estimate.temperature_deviation[j];
+    if (!estimate.absorption_deviation.empty() && estimate.absorption[j] > 0)
+      absorption += light * estimate.absorption_deviation[j] / estimate.absorption[j];
+  }
+  MeanDeviations means;
+  if (power > 0 && !estimate.emission_deviation.empty()) means.emission = emission / power;
+  if (hot > 0 && !estimate.temperature_deviation.empty()) means.temperature = temperature / hot;
+  if (hot > 0 && !estimate.absorption_deviation.empty()) means.absorption = absorption / hot;
+  return means;
+}
+
+std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
+                    const std::string& kind, const std::vector<std::string>& cameras) {
+  if (!result.figures.complete) return "The run was stopped: this is no result yet.";
+  const MeanDeviations means = mean_deviations(result.estimate, unknowns);
+  if (!means.emission) return "It is not known how far this can be believed: no deviations.";
+  const std::string one = kind == "voxels" ? "voxel" : kind == "rings" ? "ring" : "layer";
+  std::string text =
+      fmt::format("The emission of a {} is known to {}", one, readable_percent(*means.emission));
+  if (means.temperature)
+    text += fmt::format(", its temperature to {}",
+                        readable(*means.temperature, Dimension::temperature));
+  if (means.absorption)
+    text += fmt::format(", its absorption to {}", readable_percent(*means.absorption));
+  text += '.';
+  if (cameras.size() == 1 && kind == "voxels")
+    text = "One camera cannot tell the depth. " + text +
+           " Rings need one camera where the flame is round; voxels need several.";
+  else if (*means.emission > kHardlyKnown)
+    text += " That is hardly anything: take more light, more cameras or a coarser grid.";
+  const std::vector<std::string> wrong = what_is_wrong(result.figures, kind, cameras);
+  for (const std::string& line : wrong) text += ' ' + line;
+  if (!wrong.empty()) text += " The deviations hold for a right model only.";
+  return text;
+}
+
+std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,
+                                       const std::vector<std::string>& cameras) {
+  std::vector<std::string> lines;
+  for (std::size_t v = 0; v < figures.light_outside.size(); ++v)
+    if (figures.light_outside[v] > kCut)
+      lines.push_back(
+          fmt::format("The block cuts the flame: {} of the light of {} passes beside it "
+                      "(--size).",
+                      readable_percent(figures.light_outside[v]), cameras.at(v)));
+  for (const Suspect& suspect : figures.suspects)
+    if (suspect.named)
+      lines.push_back(sentence(suspect, kind, cameras.at(suspect.view), cameras.size()));
+  return lines;
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,29 @@
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "reconstruct_result.h"
+
+/// A reconstruction in words: what a reader may believe, and what is wrong.
+namespace plenoflame {
+
+/// Means over the flame, weighted by light.
+struct MeanDeviations {
+  std::optional<double> emission;     ///< relative
+  std::optional<double> temperature;  ///< [K]
+  std::optional<double> absorption;   ///< relative
+};
+MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& unknowns);
+
+/// How well the flame is known, and what is wrong with the model. @param kind "voxels", "rings" or
+/// "layers" @param cameras their names
+std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
+                    const std::string& kind, const std::vector<std::string>& cameras);
+
+/// A sentence for each thing that the pictures say is wrong: quantities of cameras, and a block
+/// that cuts the flame.
+std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,
+                                       const std::vector<std::string>& cameras);
+
+}  // namespace plenoflame

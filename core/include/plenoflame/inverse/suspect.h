@@ -1,0 +1,29 @@
+#pragma once
+#include <cmath>
+#include <cstddef>
+
+namespace plenoflame {
+
+/// A quantity of a camera that the model takes for known, and that may be wrong.
+enum class SuspectKind {
+  exposure,     ///< relative to those of the other cameras
+  stray_light,  ///< [W] the same in every row
+  right,        ///< [m] place of the camera, across its line of sight
+  up,           ///< [m] the same upwards
+  turn,         ///< [rad] about the line of sight
+  focus,        ///< relative change of the distance that it is focused on
+};
+
+/// A test of such a quantity against the pictures (Rao's score test).
+struct Suspect {
+  SuspectKind kind = SuspectKind::exposure;
+  std::size_t view = 0;
+  double estimate = 0;   ///< by which it is larger than the model says, if it alone is wrong
+  double deviation = 0;  ///< of the estimate, the error of the model included
+  /// The pictures say that it is wrong, beside others that are named. Estimates of those that are
+  /// named belong together.
+  bool named = false;
+  double significance() const { return deviation > 0 ? std::fabs(estimate / deviation) : 0; }
+};
+
+}  // namespace plenoflame

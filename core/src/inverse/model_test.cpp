@@ -1,0 +1,196 @@
+#include "inverse/model_test.h"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <utility>
+
+#include "inverse/displaced_camera.h"
+#include "plenoflame/base/error.h"
+
+namespace plenoflame {
+namespace {
+
+/// Score tests of one problem, after Rao (1948).
+class ScoreTests {
+ public:
+  ScoreTests(const TestedModel& model, const Reconstruction& found, const ProbeAccuracy& accuracy,
+             const Execution& execution)
+      : model_(model), found_(found), accuracy_(accuracy), execution_(execution) {}
+
+  /// @param change of the rows for a quantity that is larger by 1; those of other cameras do not
+  /// change
+  void add(SuspectKind kind, std::size_t view, std::vector<double> change) {
+    const std::span<const double> weights = model_.problem->weights();
+    double own = 0;
+    for (std::size_t i = 0; i < change.size(); ++i) {
+      if (static_cast<std::size_t>(model_.emission->rays->rows[i].view) != view) change[i] = 0;
+      own += std::pow(weights[i] * change[i], 2);
+    }
+    std::vector<double> left = left_of(change);
+    const double information = product(left, change);
+    // A change that the flame follows almost entirely is not tested.
+    if (!(information > kLeastLeft * own)) return;
+    Suspect suspect{kind, view};
+    suspect.estimate = product(left, model_.residual) / information;
+    suspect.deviation = found_.noise_factor / std::sqrt(information);
+    suspects_.push_back(suspect);
+    changes_.push_back(std::move(change));
+    left_.push_back(std::move(left));
+  }
+
+  /// Names the most significant one, and then the most significant of what it leaves.
+  std::vector<Suspect> take() {
+    const auto count = static_cast<Eigen::Index>(suspects_.size());
+    Eigen::MatrixXd information(count, count);
+    Eigen::VectorXd score(count);
+    for (Eigen::Index j = 0; j < count; ++j) {
+      score[j] = product(left_[static_cast<std::size_t>(j)], model_.residual);
+      for (Eigen::Index k = 0; k < count; ++k)
+        information(j, k) =
+            product(left_[static_cast<std::size_t>(j)], changes_[static_cast<std::size_t>(k)]);
+    }
+    std::vector<Eigen::Index> named;
+    for (int n = 0; n < kMostNamed; ++n) {
+      const Eigen::Index next = most_significant(information, score, named);
+      if (next < 0) break;
+      named.push_back(next);
+      suspects_[static_cast<std::size_t>(next)].named = true;
+    }
+    const Eigen::MatrixXd covariance = Eigen::MatrixXd(information(named, named)).inverse();
+    const Eigen::VectorXd estimates = covariance * Eigen::VectorXd(score(named));
+    for (Eigen::Index n = 0; n < estimates.size(); ++n) {
+      Suspect& suspect = suspects_[static_cast<std::size_t>(named[static_cast<std::size_t>(n)])];
+      suspect.estimate = estimates[n];
+      suspect.deviation = found_.noise_factor * std::sqrt(covariance(n, n));
+    }
+    std::ranges::stable_sort(suspects_, [](const Suspect& a, const Suspect& b) {
+      return a.named != b.named ? a.named : a.significance() > b.significance();
+    });
+    return std::move(suspects_);
+  }
+
+ private:
+  static constexpr double kLeastLeft = 1e-4;
+  static constexpr int kMostNamed = 3;
+  /// Standard deviations. Grids and pictures leave more than noise, so that 4 were false alarms.
+  static constexpr double kSignificant = 6;
+  /// Share of the misfit beyond noise. Less of it may be explained by chance: the grid's misfit is
+  /// shared by many pixels and is no noise.
+  static constexpr double kLeastExplained = 0.1;
+
+  double product(std::span<const double> a, std::span<const double> b) const {
+    const std::span<const double> weights = model_.problem->weights();
+    double sum = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) sum += weights[i] * weights[i] * a[i] * b[i];
+    return sum;
+  }
+
+  /// The most significant of those that explain what the named ones leave; -1: there is none.
+  Eigen::Index most_significant(const Eigen::MatrixXd& information, const Eigen::VectorXd& score,
+                                const std::vector<Eigen::Index>& named) const {
+    Eigen::Index best = -1;
+    double most = kSignificant;
+    const double factor = found_.noise_factor;
+    const double beyond_noise =
+        product(model_.residual, model_.residual) * (1 - 1 / (factor * factor));
+    for (Eigen::Index j = 0; j < score.size(); ++j) {
+      if (std::ranges::find(named, j) != named.end()) continue;
+      double left = score[j], known = information(j, j);
+      if (!named.empty()) {
+        const Eigen::MatrixXd among = information(named, named);
+        const Eigen::VectorXd with = information(named, std::vector<Eigen::Index>{j});
+        const Eigen::VectorXd share = among.ldlt().solve(with);
+        left -= share.dot(Eigen::VectorXd(score(named)));
+        known -= share.dot(with);
+      }
+      if (!(known > kLeastLeft * information(j, j))) continue;
+      if (left * left / known < kLeastExplained * beyond_noise) continue;
+      const double significance = std::fabs(left) / (factor * std::sqrt(known));
+      if (significance > most) most = significance, best = j;
+    }
+    return best;
+  }
+
+  /// The part of a change that the flame cannot follow.
+  std::vector<double> left_of(const std::vector<double>& change) const {
+    if (execution_.stop.stop_requested()) throw Cancelled();
+    const LinearProblem linear = model_.problem->problem(change);
+    const Regularisation penalty = model_.problem->regularisation(found_.strength);
+    SolverOptions options;
+    options.iterations = accuracy_.iterations;
+    options.relative_change = accuracy_.relative_change;
+    const Solution followed =
+        solve_cgls(linear, {penalty.penalty, penalty.strength}, options, execution_);
+    std::vector<double> left = *linear.a * followed.x;
+    for (std::size_t i = 0; i < left.size(); ++i) left[i] = change[i] - left[i];
+    return left;
+  }
+
+  const TestedModel& model_;
+  const Reconstruction& found_;
+  ProbeAccuracy accuracy_;
+  const Execution& execution_;
+  std::vector<Suspect> suspects_;
+  std::vector<std::vector<double>> changes_, left_;
+};
+
+/// Change of the rows of a view for a quantity of its camera that is larger by 1. It is the
+/// difference of two cameras whose rays have the same points of the sampler.
+std::vector<double> change_of_rows(const TestedModel& model, std::size_t view, SuspectKind kind,
+                                   double step, std::span<const double> x,
+                                   const Execution& execution) {
+  const CompiledScene moved = displaced_scene(*(*model.views)[view].scene, kind, step);
+  CameraView other = (*model.views)[view];
+  other.scene = &moved;
+  const CameraRays rays =
+      draw_camera_rays({other}, model.emission->unknowns->bounds(), model.rays, execution);
+  EmissionProblem emission = *model.emission;
+  emission.rays = &rays;
+  const std::vector<double> light = *make_emission_operator(emission, execution) * x;
+  std::map<std::pair<int, int>, double> by_pixel;
+  for (std::size_t i = 0; i < rays.rows.size(); ++i)
+    by_pixel[{rays.rows[i].column, rays.rows[i].row}] = light[i];
+  const std::vector<CameraRays::Row>& rows = model.emission->rays->rows;
+  std::vector<double> change(rows.size(), 0.0);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (static_cast<std::size_t>(rows[i].view) != view) continue;
+    const auto found = by_pixel.find({rows[i].column, rows[i].row});
+    change[i] = ((found == by_pixel.end() ? 0 : found->second) - model.light[i]) / step;
+  }
+  return change;
+}
+
+}  // namespace
+
+std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
+                                const ProbeAccuracy& accuracy, const Execution& execution) {
+  constexpr double kPartOfStep = 0.2;  // of the grid, that a camera is displaced by
+  constexpr double kFocus = 1e-3;
+  ScoreTests tests(model, found, accuracy, execution);
+  const Unknowns& unknowns = *model.emission->unknowns;
+  double least = 0, longest = 0;
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (unknowns.shape()[a] < 2) continue;
+    const double step = unknowns.spacing()[a];
+    if (least == 0 || step < least) least = step;
+    longest = std::max(longest, step * unknowns.shape()[a]);
+  }
+  for (std::size_t v = 0; v < model.views->size(); ++v) {
+    tests.add(SuspectKind::stray_light, v, std::vector<double>(model.light.size(), 1.0));
+    if (model.views->size() > 1)
+      tests.add(SuspectKind::exposure, v, {model.light.begin(), model.light.end()});
+    if ((*model.views)[v].compiled || !(least > 0)) continue;
+    const double across = kPartOfStep * least;
+    for (const auto& [kind, step] : {std::pair{SuspectKind::right, across},
+                                     {SuspectKind::up, across},
+                                     {SuspectKind::turn, across / longest},
+                                     {SuspectKind::focus, kFocus}})
+      tests.add(kind, v, change_of_rows(model, v, kind, step, found.values, execution));
+  }
+  return tests.take();
+}
+
+}  // namespace plenoflame

@@ -1,0 +1,30 @@
+#pragma once
+#include <span>
+#include <vector>
+
+#include "inverse/operators/scaled_problem.h"
+#include "plenoflame/inverse/emission_operator.h"
+#include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/inverse/uncertainty.h"
+
+namespace plenoflame {
+
+/// A solved problem whose model is tested.
+struct TestedModel {
+  const EmissionProblem* emission = nullptr;
+  const std::vector<CameraView>* views = nullptr;  ///< with their windows
+  const ScaledProblem* problem = nullptr;
+  CameraRaySettings rays;            ///< by which A's were drawn
+  std::span<const double> light;     ///< A x
+  std::span<const double> residual;  ///< b - A x
+};
+
+/// Tests what the pictures say of exposure, stray light, place, turn and focus of each camera, with
+/// the flame free to follow (docs/theory/reconstruction.md). Quantities that explain the misfit
+/// are named, one after the other, until no other is significant. Exposures are told by several
+/// cameras only; cameras that are compiled are not displaced.
+/// @param accuracy of one solution for each quantity @throws Cancelled
+std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
+                                const ProbeAccuracy& accuracy, const Execution& execution);
+
+}  // namespace plenoflame

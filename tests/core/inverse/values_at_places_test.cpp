@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+
+#include "plenoflame/inverse/unknowns.h"
+#include "support/approx.h"
+
+namespace plenoflame::test::values_at_places_test {
+namespace {
+
+/// Samples of the hats whose sum is nearest to a field over [0, count - 1], by the midpoint rule.
+std::vector<double> nearest_lines(int count, double (*field)(double)) {
+  constexpr int kParts = 200;
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd projections = Eigen::VectorXd::Zero(count);
+  for (int part = 0; part < (count - 1) * kParts; ++part) {
+    const double x = (part + 0.5) / kParts;
+    const int i = part / kParts;
+    const double after = x - i, before = 1 - after;
+    products(i, i) += before * before;
+    products(i + 1, i + 1) += after * after;
+    products(i, i + 1) += before * after;
+    products(i + 1, i) += before * after;
+    projections[i] += before * field(x);
+    projections[i + 1] += after * field(x);
+  }
+  const Eigen::VectorXd samples = products.ldlt().solve(projections);
+  return {samples.data(), samples.data() + samples.size()};
+}
+
+RegularLattice line_of(int count) {
+  RegularLattice lattice;
+  lattice.count = {count, 1, 1};
+  lattice.index_to_world.linear = {{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}};
+  return lattice;
+}
+
+// What lines leave of a curved field is of second order in the step; what is left afterwards is
+// a tenth of it at these steps.
+TEST(ValuesAtPlaces, AreThoseOfTheFieldThatLinesComeNearestTo) {
+  const auto field = [](double x) { return 2 + std::sin(0.7 * x); };
+  constexpr int kCount = 21;
+  const std::vector<double> samples = nearest_lines(kCount, field);
+  const auto unknowns = make_voxel_unknowns(line_of(kCount));
+  const std::vector<double> values = values_at_places(*unknowns, samples, {});
+  double before = 0, after = 0;
+  for (int i = 2; i < kCount - 2; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    before += std::pow(samples[at] - field(i), 2);
+    after += std::pow(values[at] - field(i), 2);
+  }
+  EXPECT_GT(std::sqrt(before / kCount), 0.02);
+  EXPECT_LT(std::sqrt(after), 0.1 * std::sqrt(before));
+}
+
+// By hand: an isolated sample along two axes; the light stays, but not in what is known to be
+// empty.
+TEST(ValuesAtPlaces, KeepTheLightAndLeaveEmptyOnesEmpty) {
+  RegularLattice lattice = line_of(5);
+  lattice.count = {5, 5, 1};
+  const auto unknowns = make_voxel_unknowns(lattice);
+  std::vector<double> samples(25, 0.0);
+  samples[12] = 144;
+  std::vector<double> expected(25, 0.0);
+  expected[12] = 100;
+  for (const std::size_t j : {7, 11, 13, 17}) expected[j] = 10;
+  for (const std::size_t j : {6, 8, 16, 18}) expected[j] = 1;
+  const std::vector<double> values = values_at_places(*unknowns, samples, {});
+  for (std::size_t j = 0; j < 25; ++j) EXPECT_TRUE(relative(values[j], expected[j], 1e-13)) << j;
+  std::vector<char> solved(25, 1);
+  solved[11] = 0;
+  EXPECT_EQ(values_at_places(*unknowns, samples, solved)[11], 0);
+  EXPECT_TRUE(relative(values_at_places(*unknowns, samples, solved)[12], 100, 1e-13));
+}
+
+// About the axis of rings a field goes on as it came; constant voxels are no lines.
+TEST(ValuesAtPlaces, AtACentreAndOfConstantVoxels) {
+  RingGrid grid;
+  grid.radial_step = grid.height_step = 1;
+  grid.rings = 4;
+  grid.heights = 1;
+  const std::vector<double> samples{12, 6, 0, 0};
+  const std::vector<double> values = values_at_places(*make_ring_unknowns(grid), samples, {});
+  EXPECT_TRUE(relative(values[0], 11, 1e-13));
+  EXPECT_TRUE(relative(values[1], 6, 1e-13));
+  EXPECT_TRUE(relative(values[2], 0.5, 1e-13));
+  RegularLattice lattice = line_of(4);
+  lattice.interpolation = VoxelInterpolation::constant;
+  EXPECT_EQ(values_at_places(*make_voxel_unknowns(lattice), samples, {}), samples);
+}
+
+// Samples that change as fast as they can, with an empty one among them.
+TEST(ValuesAtPlaces, TellTheirSamples) {
+  RegularLattice lattice = line_of(5);
+  lattice.count = {5, 6, 7};
+  const auto unknowns = make_voxel_unknowns(lattice);
+  std::vector<double> samples;
+  for (int j = 0; j < 210; ++j) samples.push_back(3 + std::sin(1.7 * j * j));
+  std::vector<char> solved(samples.size(), 1);
+  samples[100] = solved[100] = 0;
+  const std::vector<double> found =
+      samples_of_places(*unknowns, values_at_places(*unknowns, samples, solved));
+  for (std::size_t j = 0; j < samples.size(); ++j) {
+    if (j == 100)
+      EXPECT_EQ(found[j], 0);
+    else
+      EXPECT_TRUE(relative(found[j], samples[j], 1e-5)) << j;
+  }
+}
+
+}  // namespace
+}  // namespace plenoflame::test::values_at_places_test

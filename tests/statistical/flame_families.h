@@ -1,0 +1,338 @@
+#pragma once
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "core/inverse/glowing_grid.h"
+#include "inverse/displaced_camera.h"
+#include "plenoflame/inverse/flame_estimate.h"
+#include "plenoflame/inverse/reconstruction.h"
+#include "plenoflame/lightfield/smoothed_error.h"
+#include "plenoflame/render/render.h"
+#include "plenoflame/sampling/noise.h"
+#include "support/small_scene.h"
+
+/// Families of flames that are drawn at random, their pictures, and what a reconstruction says of
+/// them beside what they are: errors against stated deviations.
+namespace plenoflame::test {
+
+enum class Family { candle, jet, blobs, turbulent };
+
+inline std::string name_of(Family family) {
+  static const char* const names[] = {"candle", "lifted jet", "blobs", "turbulent"};
+  return names[static_cast<int>(family)];
+}
+
+/// The flames are within this distance of the upright axis through (1 m, 0, 0), and of its middle.
+inline constexpr double kFlameRadius = 4.5e-3, kFlameHalfHeight = 9e-3;
+
+/// Light at a place in units of the flame's size: distance from the axis and height are below 1.
+using Flame = std::function<double(Vec3)>;
+
+/// [K] of the light that is 1 in the flame's units, where its absorption is known.
+inline constexpr double kHottest = 1900;
+
+inline double gone_at_the_ends(double height) {
+  const double s = std::clamp((1 - std::fabs(height)) / 0.15, 0.0, 1.0);
+  return s * s * (3 - 2 * s);
+}
+
+/// A bright sheet around a dark core that closes at the tip.
+inline Flame candle_flame(NoiseStream& random) {
+  const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
+  const double radius = between(0.35, 0.55), width = between(0.18, 0.3), tip = between(0.5, 0.8),
+               base = -between(0.6, 0.8), shape = between(0.3, 0.6), core = between(0, 0.4);
+  return [=](Vec3 p) {
+    const double r = std::hypot(p.x, p.y), s = std::clamp((p.z - base) / (tip - base), 0.0, 1.0);
+    const double sheet = radius * std::pow(4 * s * (1 - s), shape) * (1.2 - 0.6 * s);
+    const double ends = std::clamp(s / 0.2, 0.0, 1.0) * std::clamp((1 - s) / 0.25, 0.0, 1.0);
+    return ends * (std::exp(-std::pow((r - sheet) / width, 2)) +
+                   core / (1 + std::exp(std::clamp((r - sheet) / (0.4 * width), -50.0, 50.0))));
+  };
+}
+
+/// Hollow where it begins, above the burner; wider and fuller upwards.
+inline Flame jet_flame(NoiseStream& random) {
+  const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
+  const double lift = -between(0.3, 0.6), width = between(0.25, 0.35), growth = between(0.1, 0.25),
+               hollow = between(0.3, 0.9), length = between(0.5, 0.9);
+  return [=](Vec3 p) {
+    const double r = std::hypot(p.x, p.y), z = p.z - lift, up = std::max(z, 0.0);
+    const double wide = width + growth * up;
+    const double begun = 1 / (1 + std::exp(-std::clamp(z / 0.08, -50.0, 50.0)));
+    return begun * std::exp(-std::pow(up / (1.2 * length), 2)) * std::exp(-std::pow(r / wide, 2)) *
+           (1 - hollow * std::exp(-up / (0.5 * length)) * std::exp(-std::pow(2 * r / wide, 2))) *
+           gone_at_the_ends(p.z);
+  };
+}
+
+/// @param round rings in place of balls
+inline Flame blobs_flame(NoiseStream& random, bool round) {
+  const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
+  struct Blob {
+    Vec3 centre;
+    double size, light;
+  };
+  std::vector<Blob> blobs;
+  for (int k = 0; k < 5; ++k)
+    blobs.push_back({{round ? between(0, 0.55) : between(-0.45, 0.45),
+                      round ? 0 : between(-0.45, 0.45), between(-0.55, 0.55)},
+                     between(0.2, 0.35),
+                     between(0.4, 1)});
+  constexpr double kAspect = kFlameHalfHeight / kFlameRadius;
+  return [=](Vec3 p) {
+    if (round) p = {std::hypot(p.x, p.y), 0, p.z};
+    double light = 0;
+    for (const Blob& blob : blobs) {
+      const Vec3 d = p - blob.centre;
+      light += blob.light * std::exp(-(d.x * d.x + d.y * d.y + kAspect * kAspect * d.z * d.z) /
+                                     (2 * blob.size * blob.size));
+    }
+    return light;
+  };
+}
+
+/// The exponential of waves whose spectrum falls by the power of 5/3, in an envelope.
+inline Flame turbulent_flame(NoiseStream& random, bool round) {
+  const auto between = [&](double a, double b) { return a + (b - a) * random.uniform(); };
+  struct Wave {
+    Vec3 k;
+    double phase, size;
+  };
+  constexpr int kWaves = 60;
+  std::vector<Wave> waves;
+  double squares = 0;
+  for (int n = 0; n < kWaves; ++n) {
+    const double k = std::exp(between(std::log(2.5), std::log(10.0)));
+    const double z = between(-1, 1), turn = between(0, 2 * std::numbers::pi);
+    const double across = std::sqrt(1 - z * z);
+    const Vec3 direction = round ? Vec3{std::cos(turn), 0, std::sin(turn)}
+                                 : Vec3{across * std::cos(turn), across * std::sin(turn), z};
+    waves.push_back({k * direction, between(0, 2 * std::numbers::pi), std::pow(k, -1.0 / 3)});
+    squares += 0.5 * std::pow(k, -2.0 / 3);
+  }
+  const double wide = between(0.4, 0.6), high = between(0.4, 0.6), middle = between(-0.2, 0.2);
+  constexpr double kAspect = kFlameHalfHeight / kFlameRadius, kStrength = 0.6;
+  return [=](Vec3 p) {
+    const double r = std::hypot(p.x, p.y);
+    if (round) p = {r, 0, p.z};
+    double sum = 0;
+    for (const Wave& wave : waves)
+      sum += wave.size *
+             std::cos(wave.k.x * p.x + wave.k.y * p.y + kAspect * wave.k.z * p.z + wave.phase);
+    return std::exp(kStrength * sum / std::sqrt(squares) - std::pow(r / wide, 4) -
+                    std::pow((p.z - middle) / high, 4));
+  };
+}
+
+inline Flame draw_flame(Family family, bool round, std::uint64_t seed) {
+  NoiseStream random(seed, static_cast<std::uint64_t>(family));
+  switch (family) {
+    case Family::candle:
+      return candle_flame(random);
+    case Family::jet:
+      return jet_flame(random);
+    case Family::blobs:
+      return blobs_flame(random, round);
+    case Family::turbulent:
+      break;
+  }
+  return turbulent_flame(random, round);
+}
+
+struct FamilyTrial {
+  Family family = Family::candle;
+  bool rings = true;         ///< else voxels
+  int cameras = 1;           ///< 1, 3 or 6
+  double electrons = 20000;  ///< of the brightest pixel
+  std::uint64_t seed = 1;
+  /// [1/m] known and the same everywhere; above 0 temperatures follow.
+  double absorption = 0;
+  /// Wrong in the first camera of the model, by so much.
+  SuspectKind wrong = SuspectKind::exposure;
+  double by = 0;
+};
+
+/// Errors of what is lit, above 5 % of the brightest.
+struct Errors {
+  double error = 0;         ///< 2-norm, relative
+  double stated = 0;        ///< the same of the deviations
+  double pulls = 0;         ///< RMS of (found - true) / stated
+  double covered = 0;       ///< share within 1.96 stated deviations
+  double covered_once = 0;  ///< share within one
+};
+struct FamilyOutcome {
+  Errors emission, temperature;
+  double chi_squared = 0, noise_factor = 1, resolved = 0, strength = 0;
+  std::size_t unknowns = 0;
+  std::vector<Suspect> suspects;
+};
+
+inline Errors errors_of(const std::vector<double>& found, const std::vector<double>& stated,
+                        const std::vector<double>& truth, const std::vector<char>& lit) {
+  Errors result;
+  double away = 0, squares = 0, all = 0, count = 0;
+  for (std::size_t j = 0; j < truth.size(); ++j) {
+    if (!lit[j]) continue;
+    const double error = found[j] - truth[j], pull = stated[j] > 0 ? error / stated[j] : 1e3;
+    away += error * error;
+    squares += stated[j] * stated[j];
+    all += truth[j] * truth[j];
+    result.pulls += pull * pull;
+    result.covered += std::fabs(pull) < 1.96;
+    result.covered_once += std::fabs(pull) < 1;
+    ++count;
+  }
+  result.error = std::sqrt(away / all);
+  result.stated = std::sqrt(squares / all);
+  result.pulls = std::sqrt(result.pulls / count);
+  result.covered /= count;
+  result.covered_once /= count;
+  return result;
+}
+
+/// A frame of a sensor: shot noise and read noise of 5 electrons.
+/// @param electron [W] of one electron
+inline Measurement frame_of(const LightFieldChannel& picture, double electron, std::uint64_t seed) {
+  constexpr double kReadNoise = 5;
+  const Image &flux = picture.flux, of_rays = smoothed_error(flux, picture.standard_error);
+  Measurement m;
+  m.window = {0, 0, flux.width, flux.height};
+  m.flux = m.deviation = Image(flux.width, flux.height);
+  m.electron = electron;
+  for (std::size_t k = 0; k < flux.pixels.size(); ++k) {
+    NoiseStream noise(seed, k);
+    const double electrons = noise.poisson(static_cast<double>(flux.pixels[k]) / electron) +
+                             kReadNoise * noise.gaussian();
+    const double deviation = std::sqrt(std::max(electrons, 0.0) + kReadNoise * kReadNoise);
+    m.flux.pixels[k] = static_cast<float>(electron * electrons);
+    m.deviation.pixels[k] = static_cast<float>(
+        std::hypot(electron * deviation, static_cast<double>(of_rays.pixels[k])));
+  }
+  return m;
+}
+
+/// Rings, or voxels, whose steps are some times smaller. @return the number of samples along each
+/// axis of voxels that fill the flames' space
+inline GlowingGrid fine_grid(const FamilyTrial& trial, const Flame& flame, double step_across,
+                             double step_up) {
+  GlowingGrid g;
+  const auto samples = [](double length, double step) {
+    return static_cast<int>(std::lround(length / step)) + 1;
+  };
+  g.count = {samples(2 * kFlameRadius, step_across), samples(2 * kFlameRadius, step_across),
+             samples(2 * kFlameHalfHeight, step_up)};
+  g.map.linear = {{{{step_across, 0, 0}, {0, step_across, 0}, {0, 0, step_up}}}};
+  g.map.translation = {1 - kFlameRadius, -kFlameRadius, -kFlameHalfHeight};
+  for (int i = 0; i < g.count[0]; ++i)
+    for (int j = 0; j < g.count[1]; ++j)
+      for (int k = 0; k < g.count[2]; ++k)
+        g.emission.push_back(
+            flame({-1 + i * step_across / kFlameRadius, -1 + j * step_across / kFlameRadius,
+                   -1 + k * step_up / kFlameHalfHeight}));
+  g.absorption.assign(g.emission.size(), trial.absorption);
+  return g;
+}
+
+inline std::vector<CompiledScene> family_scenes(const FamilyTrial& trial,
+                                                const ChannelSpec& channel,
+                                                const GlowingGrid& grid) {
+  std::vector<CompiledScene> scenes;
+  for (int n = 0; n < trial.cameras; ++n) {
+    const double turn = n * std::numbers::pi / std::max(trial.cameras, 2);
+    Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+    scene.camera.sensor = {40, 60, 0.25e-3};
+    scene.camera.position = {1 - std::cos(turn), -std::sin(turn), 0};
+    scene.camera.look_direction = {std::cos(turn), std::sin(turn), 0};
+    scene.flames = {glowing_flame(channel.wavelength)};
+    scene.channels = {channel};
+    scenes.push_back(compile(scene, glowing_loader(grid)));
+  }
+  return scenes;
+}
+
+inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
+                                        ReconstructionSettings settings = {}) {
+  constexpr int kRings = 14, kHeights = 22, kAcross = 14, kUp = 16, kFiner = 4;
+  const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
+  const SourceFunction source = SourceFunction::band(channel.wavelength, channel.width);
+  // [W/(m^3 sr)] of the light that is 1 in the flame's units.
+  const double unit = trial.absorption > 0 ? trial.absorption * source(kHottest) : 1000;
+  const Flame plain = draw_flame(trial.family, trial.rings, trial.seed);
+  const Flame flame = [&](Vec3 p) { return unit * plain(p); };
+  std::unique_ptr<Unknowns> unknowns;
+  double across = 0, up = 0;
+  if (trial.rings) {
+    RingGrid grid;
+    across = grid.radial_step = kFlameRadius / kRings;
+    up = grid.height_step = 2 * kFlameHalfHeight / (kHeights - 1);
+    grid.base = {1, 0, -kFlameHalfHeight};
+    grid.rings = kRings;
+    grid.heights = kHeights;
+    unknowns = make_ring_unknowns(grid);
+  } else {
+    RegularLattice lattice;
+    across = 2 * kFlameRadius / kAcross;
+    up = 2 * kFlameHalfHeight / kUp;
+    lattice.count = {kAcross, kAcross, kUp};
+    lattice.index_to_world.linear = {{{{across, 0, 0}, {0, across, 0}, {0, 0, up}}}};
+    lattice.index_to_world.translation = {1 - kFlameRadius + 0.5 * across,
+                                          -kFlameRadius + 0.5 * across,
+                                          -kFlameHalfHeight + 0.5 * up};
+    unknowns = make_voxel_unknowns(lattice);
+  }
+  const std::vector<CompiledScene> scenes =
+      family_scenes(trial, channel, fine_grid(trial, flame, across / kFiner, up / kFiner));
+  ReconstructionInput input;
+  input.unknowns = unknowns.get();
+  if (trial.absorption > 0) input.absorption.assign(unknowns->size(), trial.absorption);
+  for (std::size_t v = 0; v < scenes.size(); ++v) {
+    RenderSettings how;
+    how.samples = 256;
+    how.seed = 7000 + trial.seed;
+    const RenderResult picture = render(scenes[v], how);
+    const LightFieldChannel& light = picture.light_field.channels[0];
+    const double brightest = static_cast<double>(std::ranges::max(light.flux.pixels));
+    input.views.push_back({&scenes[v], {}});
+    input.measurements.push_back(
+        frame_of(light, brightest / trial.electrons, 100 * trial.seed + v));
+  }
+  const CompiledScene displaced = displaced_scene(scenes[0], trial.wrong, -trial.by);
+  input.views[0].scene = &displaced;
+  if (trial.wrong == SuspectKind::exposure)
+    for (float& value : input.measurements[0].flux.pixels)
+      value *= static_cast<float>(1 + trial.by);
+  settings.rays.samples = 64;
+  settings.rays.seed = 500 + trial.seed;
+  const Reconstruction found = reconstruct(input, settings);
+
+  const FlameEstimate estimate = estimate_flame(found, *unknowns, input.absorption, source);
+  std::vector<double> emission, temperature;
+  for (std::size_t j = 0; j < unknowns->size(); ++j) {
+    const Vec3 p = unknowns->place(j);
+    emission.push_back(
+        flame({(p.x - 1) / kFlameRadius, p.y / kFlameRadius, p.z / kFlameHalfHeight}));
+    if (trial.absorption > 0)
+      temperature.push_back(temperature_of(source, emission.back() / trial.absorption));
+  }
+  const double brightest = std::ranges::max(emission);
+  std::vector<char> lit;
+  for (const double value : emission) lit.push_back(value > 0.05 * brightest);
+  FamilyOutcome outcome;
+  outcome.emission = errors_of(estimate.emission, estimate.emission_deviation, emission, lit);
+  if (trial.absorption > 0)
+    outcome.temperature =
+        errors_of(estimate.temperature, estimate.temperature_deviation, temperature, lit);
+  outcome.suspects = found.suspects;
+  outcome.chi_squared = found.chi_squared;
+  outcome.noise_factor = found.noise_factor;
+  outcome.resolved = found.resolved_unknowns;
+  outcome.strength = found.strength;
+  outcome.unknowns = unknowns->size() - found.empty;
+  return outcome;
+}
+
+}  // namespace plenoflame::test
