@@ -135,6 +135,18 @@ std::vector<std::string> ReconstructRequest::channels() const {
   return split(channel);
 }
 
+std::vector<SuspectKind> ReconstructRequest::refined() const {
+  std::vector<SuspectKind> kinds;
+  for (const std::string& word : split(refine)) {
+    check_choice("--refine", word, {"exposure", "pose", "focus"});
+    if (word == "exposure") kinds.push_back(SuspectKind::exposure);
+    if (word == "focus") kinds.push_back(SuspectKind::focus);
+    if (word == "pose")
+      kinds.insert(kinds.end(), {SuspectKind::right, SuspectKind::up, SuspectKind::turn});
+  }
+  return kinds;
+}
+
 void set_option(ReconstructRequest& request, const std::string& name, const std::string& text) {
   UnknownsRequest& unknowns = request.unknowns;
   const std::map<std::string, std::string*> texts{{"unknowns", &unknowns.kind},
@@ -153,6 +165,7 @@ void set_option(ReconstructRequest& request, const std::string& name, const std:
                                                   {"resume", &request.resume},
                                                   {"prior", &request.prior},
                                                   {"support", &request.support},
+                                                  {"refine", &request.refine},
                                                   {"rays", &request.rays},
                                                   {"iterations", &request.iterations},
                                                   {"draws", &request.draws},
@@ -203,6 +216,9 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   for (const std::string& spread : request.spreads) point_option("--spread", spread);
   check_solver(request, result.solver);
   check_sought(request);
+  const bool posterior = is_penalised(result.solver) && result.solver != ReconstructionSolver::tv;
+  refuse(!request.refined().empty() && !posterior, "--refine",
+         "tests the model against the penalty, which --solver " + request.solver + " has not");
   refuse(wants_matrix(result.solver) && !(result.memory > 0), "--memory 0",
          "leaves no room for the stored matrix, whose rows --solver " + request.solver +
              " goes through; the others follow the rays again");

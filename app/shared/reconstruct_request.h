@@ -26,6 +26,7 @@ struct EarlierResult {
 /// front ends fill it. Empty texts stand for defaults.
 struct ReconstructRequest {
   std::vector<std::string> spreads;
+  std::string refine;  ///< "exposure,pose,focus", or some of them
   UnknownsRequest unknowns;
   std::string find = "emission", channel, solver = "fista", smoothing, ratio;
   std::string start, resume, prior, support;  ///< files
@@ -37,6 +38,8 @@ struct ReconstructRequest {
   std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;
 
   Sought sought() const;
+  /// Quantities of cameras that may be corrected. @throws UsageError for other words
+  std::vector<SuspectKind> refined() const;
   /// Names of channels; empty: the pictures' first, or for two quantities the first two.
   std::vector<std::string> channels() const;
 };

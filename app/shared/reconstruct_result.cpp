@@ -261,19 +261,24 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
   }
 }
 
-void report_suspects(const Reconstruction& figures, const std::vector<std::string>& cameras,
+void report_suspects(const ReconstructResult& result, const std::vector<std::string>& cameras,
                      Report& report) {
   static constexpr const char* kNames[] = {"exposure", "stray_light", "right",
                                            "up",       "turn",        "focus"};
-  nlohmann::json suspects = nlohmann::json::array();
-  for (const Suspect& suspect : figures.suspects)
-    suspects.push_back({{"quantity", kNames[static_cast<int>(suspect.kind)]},
-                        {"camera", cameras.at(suspect.view)},
-                        {"estimate", suspect.estimate},
-                        {"deviation", suspect.deviation},
-                        {"named", suspect.named}});
-  report.add_json("suspects", suspects);
-  report.add_json("light_outside", figures.light_outside);
+  const auto list = [&](const std::vector<Suspect>& all, bool tests) {
+    nlohmann::json suspects = nlohmann::json::array();
+    for (const Suspect& suspect : all) {
+      suspects.push_back({{"quantity", kNames[static_cast<int>(suspect.kind)]},
+                          {"camera", cameras.at(suspect.view)},
+                          {"estimate", suspect.estimate},
+                          {"deviation", suspect.deviation}});
+      if (tests) suspects.back()["named"] = suspect.named;
+    }
+    return suspects;
+  };
+  report.add_json("suspects", list(result.figures.suspects, true));
+  if (!result.corrections.empty()) report.add_json("corrected", list(result.corrections, false));
+  report.add_json("light_outside", result.figures.light_outside);
 }
 
 void report_scale(const ReconstructResult& result, const SourceFunction* source,

@@ -21,6 +21,8 @@ struct ReconstructResult {
   std::vector<double> resolved_absorption;  ///< where it was solved for
   /// Relative standard error of all of the pictures' light together; no deviation holds it.
   double scale_error = 0;
+  std::vector<Suspect> corrections;  ///< of --refine: what the scenes had wrong
+  bool settled = true;               ///< false: the corrections still moved at their end
 };
 
 /// A field of what was found.
@@ -53,8 +55,8 @@ FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Un
 void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
                    Report& report);
 
-/// The tests of the cameras, named or not. @param cameras their names
-void report_suspects(const Reconstruction& figures, const std::vector<std::string>& cameras,
+/// The tests of the cameras, named or not, and what was corrected. @param cameras their names
+void report_suspects(const ReconstructResult& result, const std::vector<std::string>& cameras,
                      Report& report);
 
 /// Adds what the common error of the pictures' light does to emission, and to the temperature that

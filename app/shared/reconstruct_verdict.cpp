@@ -95,10 +95,21 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
            " Rings need one camera where the flame is round; voxels need several.";
   else if (*means.emission > kHardlyKnown)
     text += " That is hardly anything: take more light, more cameras or a coarser grid.";
+  for (const std::string& line : what_was_corrected(result, kind, cameras)) text += ' ' + line;
   const std::vector<std::string> wrong = what_is_wrong(result.figures, kind, cameras);
   for (const std::string& line : wrong) text += ' ' + line;
   if (!wrong.empty()) text += " The deviations hold for a right model only.";
   return text;
+}
+
+std::vector<std::string> what_was_corrected(const ReconstructResult& result,
+                                            const std::string& kind,
+                                            const std::vector<std::string>& cameras) {
+  std::vector<std::string> lines;
+  for (const Suspect& suspect : result.corrections)
+    lines.push_back(sentence(suspect, kind, cameras.at(suspect.view), cameras.size()) +
+                    " This is corrected.");
+  return lines;
 }
 
 std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,

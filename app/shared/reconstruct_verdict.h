@@ -21,6 +21,11 @@ MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& un
 std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
                     const std::string& kind, const std::vector<std::string>& cameras);
 
+/// A sentence for each quantity that was corrected.
+std::vector<std::string> what_was_corrected(const ReconstructResult& result,
+                                            const std::string& kind,
+                                            const std::vector<std::string>& cameras);
+
 /// A sentence for each thing that the pictures say is wrong: quantities of cameras, and a block
 /// that cuts the flame.
 std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,

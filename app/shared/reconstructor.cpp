@@ -191,6 +191,15 @@ void check_order(const ReconstructCameras& cameras, const std::vector<LightField
   }
 }
 
+FrameMeasurements corrected_exposures(FrameMeasurements measurements,
+                                      const std::optional<Refinement>& refinement) {
+  if (refinement)
+    for (std::vector<Measurement>& of_cameras : measurements)
+      for (std::size_t v = 0; v < of_cameras.size(); ++v)
+        correct_exposure(of_cameras[v], refinement->exposures[v]);
+  return measurements;
+}
+
 /// @throws InputError where an earlier result that is in memory belongs to other unknowns
 void check_fits(const EarlierResult& result, std::size_t unknowns) {
   for (const auto* values : {&result.emission, &result.temperature, &result.absorption})
@@ -310,6 +319,11 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   const CompiledScene& scene = cameras.first();
   settings_ = reconstruction_settings(request_, cameras.seed);
   settings_.rays.channel = static_cast<int>(cameras.channels[0]);
+  for (const ReconstructCamera& camera : cameras.cameras)
+    if (camera.compiled && request_.refine.find("pose") != std::string::npos)
+      throw UsageError(
+          "--refine: rays of compiled cameras stay where they are: only their exposure can be "
+          "refined");
   if (request_.truth && !scene.medium)
     throw UsageError("--truth: the scene has no flame to compare with");
   if (request_.unknowns.fits_axis()) {
@@ -363,21 +377,66 @@ std::vector<double> Reconstructor::samples_of(const EarlierResult& result) const
 ReconstructResult Reconstructor::frame(
     const FrameMeasurements& measurements, const Execution& execution,
     const std::function<void(const ReconstructionState&)>& watch) {
+  // Refining takes the first half of the progress.
+  const bool refines = !refinement_ && !request_.refined().empty();
+  const auto part = [&](double from, double share) {
+    Execution inner = execution;
+    if (execution.progress)
+      inner.progress = [&execution, from, share](Progress progress) {
+        progress.fraction = from + share * progress.fraction;
+        execution.progress(progress);
+      };
+    return inner;
+  };
+  if (refines) refine(measurements, part(0, 0.5));
+  const FrameMeasurements corrected = corrected_exposures(measurements, refinement_);
+  const Execution rest = refines ? part(0.5, 0.5) : execution;
   settings_.watch = watch;
-  ReconstructResult result = request_.sought() == Sought::emission
-                                 ? linear(measurements, execution)
-                                 : thermal(measurements, execution);
+  ReconstructResult result =
+      request_.sought() == Sought::emission ? linear(corrected, rest) : thermal(corrected, rest);
   settings_.watch = nullptr;
+  if (refinement_) {
+    result.corrections = refinement_->corrections;
+    result.settled = refinement_->settled;
+  }
   settings_.strength = result.figures.strength;
   for (const Measurement& measurement : measurements[0])
     result.scale_error = std::max(result.scale_error, measurement.scale_error);
   return result;
 }
 
-ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
-                                        const Execution& execution) {
+std::vector<CameraView> Reconstructor::views() const {
+  std::vector<CameraView> result = cameras_.views();
+  for (std::size_t v = 0; v < result.size(); ++v)
+    if (refinement_ && refinement_->scenes[v]) result[v].scene = refinement_->scenes[v].get();
+  return result;
+}
+
+std::vector<CameraSpec> Reconstructor::camera_specs() const {
+  std::vector<CameraSpec> specs;
+  for (std::size_t v = 0; v < cameras_.cameras.size(); ++v) {
+    specs.push_back(cameras_.cameras[v].scene->scene.camera);
+    if (!refinement_ || !refinement_->scenes[v]) continue;
+    const CameraSpec& refined = refinement_->scenes[v]->scene.camera;
+    specs.back().position = refined.position;
+    specs.back().up = refined.up;
+    specs.back().focus = refined.focus;
+  }
+  return specs;
+}
+
+void Reconstructor::refine(const FrameMeasurements& measurements, const Execution& execution) {
+  refinement_ =
+      refine_cameras(linear_input(measurements), settings_, request_.refined(), execution);
+  if (!refinement_->settled)
+    execution.warn(
+        "--refine: the corrections have not settled; the model is wrong by more than they can "
+        "mend");
+}
+
+ReconstructionInput Reconstructor::linear_input(const FrameMeasurements& measurements) const {
   ReconstructionInput input;
-  input.views = cameras_.views();
+  input.views = views();
   input.measurements = measurements[0];
   input.unknowns = unknowns_.get();
   input.absorption = absorption_;
@@ -385,6 +444,12 @@ ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
   input.prior = prior_;
   input.support = support_;
   input.spread_at = spreads_;
+  return input;
+}
+
+ReconstructResult Reconstructor::linear(const FrameMeasurements& measurements,
+                                        const Execution& execution) {
+  ReconstructionInput input = linear_input(measurements);
   ReconstructResult result;
   const SourceFunction source = channel_source(cameras_.first().scene, cameras_.channels[0]);
   // Behind filters each part of the stop has a source function of its own.
@@ -412,7 +477,7 @@ std::vector<std::vector<ThermalPart>> Reconstructor::parts_of_stop(std::size_t c
 ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
                                          const Execution& execution) {
   ThermalInput input;
-  input.views = cameras_.views();
+  input.views = views();
   input.unknowns = unknowns_.get();
   input.absorption = absorption_;
   input.support = support_;
@@ -448,7 +513,7 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
   const std::string words = verdict(result, *unknowns_, kind, cameras);
   report.add("in words", words, "verdict", words);
   for (const std::string& line : what_is_wrong(result.figures, kind, cameras)) execution.warn(line);
-  report_suspects(result.figures, cameras, report);
+  report_suspects(result, cameras, report);
   std::string names = cameras_.channel_name(0);
   for (std::size_t k = 1; k < cameras_.channels.size(); ++k)
     names += ", " + cameras_.channel_name(k);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/inverse/refine.h"
 #include "plenoflame/scene/compile.h"
 #include "reconstruct_request.h"
 #include "reconstruct_result.h"
@@ -72,10 +73,15 @@ class Reconstructor {
   /// The scene's flames at the unknowns, where the request asks for the truth.
   const FlameTruth* truth() const { return truth_ ? &*truth_ : nullptr; }
 
-  /// Begins where the frame before ended, with the first frame's strength.
+  /// Begins where the frame before ended, with the first frame's strength. The first frame refines
+  /// the cameras for all.
   /// @param watch may be empty @throws as reconstruct() and reconstruct_thermal()
   ReconstructResult frame(const FrameMeasurements& measurements, const Execution& execution,
                           const std::function<void(const ReconstructionState&)>& watch = {});
+
+  /// The cameras as --refine has corrected them; those that were given before the first frame, and
+  /// where nothing is wrong.
+  std::vector<CameraSpec> camera_specs() const;
 
   /// The figures of a frame; warns of what they say against it. @param output name of the file
   /// where it is written; empty: none
@@ -84,6 +90,9 @@ class Reconstructor {
 
  private:
   std::vector<double> samples_of(const EarlierResult& result) const;
+  std::vector<CameraView> views() const;
+  ReconstructionInput linear_input(const FrameMeasurements& measurements) const;
+  void refine(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult linear(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult thermal(const FrameMeasurements& measurements, const Execution& execution);
   std::vector<std::vector<ThermalPart>> parts_of_stop(std::size_t channel) const;
@@ -97,6 +106,7 @@ class Reconstructor {
   std::vector<char> support_;
   std::vector<Vec3> spreads_;
   std::optional<FlameTruth> truth_;
+  std::optional<Refinement> refinement_;  ///< of the first frame, where it is asked for
 };
 
 /// @throws FileError, InputError: there is none of the grids

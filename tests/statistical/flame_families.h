@@ -3,6 +3,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -254,16 +255,28 @@ inline std::vector<CompiledScene> family_scenes(const FamilyTrial& trial,
   return scenes;
 }
 
-inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
-                                        ReconstructionSettings settings = {}) {
+/// A trial's unknowns, cameras and pictures. It stays where it is: the input points into it.
+struct FamilyProblem {
+  explicit FamilyProblem(const FamilyTrial& trial);
+  FamilyProblem(const FamilyProblem&) = delete;
+  FamilyProblem& operator=(const FamilyProblem&) = delete;
+
+  SourceFunction source;
+  Flame flame;  ///< [W/(m^3 sr)]
+  std::unique_ptr<Unknowns> unknowns;
+  std::vector<CompiledScene> scenes;
+  std::optional<CompiledScene> displaced;  ///< the first one as the model has it
+  ReconstructionInput input;
+};
+
+inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
   constexpr int kRings = 14, kHeights = 22, kAcross = 14, kUp = 16, kFiner = 4;
   const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
-  const SourceFunction source = SourceFunction::band(channel.wavelength, channel.width);
+  source = SourceFunction::band(channel.wavelength, channel.width);
   // [W/(m^3 sr)] of the light that is 1 in the flame's units.
   const double unit = trial.absorption > 0 ? trial.absorption * source(kHottest) : 1000;
   const Flame plain = draw_flame(trial.family, trial.rings, trial.seed);
-  const Flame flame = [&](Vec3 p) { return unit * plain(p); };
-  std::unique_ptr<Unknowns> unknowns;
+  flame = [=](Vec3 p) { return unit * plain(p); };
   double across = 0, up = 0;
   if (trial.rings) {
     RingGrid grid;
@@ -284,9 +297,7 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
                                           -kFlameHalfHeight + 0.5 * up};
     unknowns = make_voxel_unknowns(lattice);
   }
-  const std::vector<CompiledScene> scenes =
-      family_scenes(trial, channel, fine_grid(trial, flame, across / kFiner, up / kFiner));
-  ReconstructionInput input;
+  scenes = family_scenes(trial, channel, fine_grid(trial, flame, across / kFiner, up / kFiner));
   input.unknowns = unknowns.get();
   if (trial.absorption > 0) input.absorption.assign(unknowns->size(), trial.absorption);
   for (std::size_t v = 0; v < scenes.size(); ++v) {
@@ -300,14 +311,25 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
     input.measurements.push_back(
         frame_of(light, brightest / trial.electrons, 100 * trial.seed + v));
   }
-  const CompiledScene displaced = displaced_scene(scenes[0], trial.wrong, -trial.by);
-  input.views[0].scene = &displaced;
+  displaced.emplace(displaced_scene(scenes[0], trial.wrong, -trial.by));
+  input.views[0].scene = &*displaced;
   if (trial.wrong == SuspectKind::exposure)
     for (float& value : input.measurements[0].flux.pixels)
       value *= static_cast<float>(1 + trial.by);
+}
+
+inline ReconstructionSettings family_settings(const FamilyTrial& trial,
+                                              ReconstructionSettings settings = {}) {
   settings.rays.samples = 64;
   settings.rays.seed = 500 + trial.seed;
-  const Reconstruction found = reconstruct(input, settings);
+  return settings;
+}
+
+inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
+                                        const ReconstructionSettings& settings = {}) {
+  const FamilyProblem problem(trial);
+  const auto& [source, flame, unknowns, scenes, displaced, input] = problem;
+  const Reconstruction found = reconstruct(input, family_settings(trial, settings));
 
   const FlameEstimate estimate = estimate_flame(found, *unknowns, input.absorption, source);
   std::vector<double> emission, temperature;

@@ -6,6 +6,7 @@
 
 #include <cstdio>
 
+#include "plenoflame/inverse/refine.h"
 #include "support/approx.h"
 #include "support/length.h"
 
@@ -154,6 +155,30 @@ TEST(ModelTest, NamesWhatIsWrong) {
   expect_named(SuspectKind::right, 0.5e-3);
   trial = {Family::candle, true, 1, 8000, 8, 0};
   expect_named(SuspectKind::right, 0.5e-3);
+}
+
+// Four cameras: one that is 5 % too bright, or stands 0.5 mm aside, is found by its error, and
+// nothing else is corrected.
+TEST(Refine, FindsWhatIsWrongWithinItsError) {
+  for (const auto& [kind, by] :
+       {std::pair{SuspectKind::exposure, 0.05}, {SuspectKind::right, 0.5e-3}}) {
+    FamilyTrial trial{Family::jet, true, 4, 8000, 9, 0};
+    trial.wrong = kind;
+    trial.by = by;
+    const FamilyProblem problem(trial);
+    const SuspectKind kinds[] = {SuspectKind::exposure, SuspectKind::right, SuspectKind::up,
+                                 SuspectKind::turn};
+    const Refinement found = refine_cameras(problem.input, family_settings(trial), kinds, {});
+    EXPECT_TRUE(found.settled);
+    ASSERT_EQ(found.corrections.size(), 1U);
+    EXPECT_EQ(found.corrections[0].kind, kind);
+    EXPECT_EQ(found.corrections[0].view, 0U);
+    EXPECT_NEAR(found.corrections[0].estimate, by, 2 * found.corrections[0].deviation);
+    EXPECT_LT(found.corrections[0].deviation, 0.2 * by);
+    if (kind == SuspectKind::exposure) continue;
+    const Vec3 place = found.scenes[0]->scene.camera.position;
+    EXPECT_LT(length(place - problem.scenes[0].scene.camera.position), 0.1 * by);
+  }
 }
 
 }  // namespace

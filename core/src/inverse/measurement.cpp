@@ -94,6 +94,21 @@ class LeftOut {
   const Image* state_ = nullptr;
 };
 
+/// True if two cameras stand at almost the same place and are focused almost alike: one is the
+/// other as a later calibration or --refine has found it.
+bool is_almost_at(const CameraSpec& a, const CameraSpec& b) {
+  constexpr double kAlmost = 0.02;  // of a distance, or [rad]
+  const auto is_close = [](double x, double y) {
+    return std::fabs(x - y) <= kAlmost * std::fabs(y);
+  };
+  const double distance = length(a.position - b.position);
+  const double turn = length(normalize(a.look_direction) - normalize(b.look_direction));
+  const double roll = length(normalize(a.up) - normalize(b.up));
+  return (distance == 0 || distance <= kAlmost * b.focus.object_distance) && turn <= kAlmost &&
+         roll <= kAlmost && is_close(a.focus.lens_distance, b.focus.lens_distance) &&
+         is_close(a.focus.object_distance, b.focus.object_distance);
+}
+
 }  // namespace
 
 bool may_be_taken_by(const LightField& picture, const Scene& scene) {
@@ -104,6 +119,12 @@ bool may_be_taken_by(const LightField& picture, const Scene& scene) {
   own.sensor = sensor;                       // how a frame was taken does not move any ray
   own.wavelength = scene.camera.wavelength;  // not in files
   own.name = scene.camera.name;
+  if (!is_almost_at(own, scene.camera)) return false;
+  own.position = scene.camera.position;
+  own.look_direction = scene.camera.look_direction;
+  own.up = scene.camera.up;
+  own.focus.lens_distance = scene.camera.focus.lens_distance;
+  own.focus.object_distance = scene.camera.focus.object_distance;
   return own == scene.camera;
 }
 

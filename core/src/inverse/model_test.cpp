@@ -41,7 +41,8 @@ class ScoreTests {
     left_.push_back(std::move(left));
   }
 
-  /// Names the most significant one, and then the most significant of what it leaves.
+  /// Names those that were corrected, then the most significant one, and then the most significant
+  /// of what it leaves.
   std::vector<Suspect> take() {
     const auto count = static_cast<Eigen::Index>(suspects_.size());
     Eigen::MatrixXd information(count, count);
@@ -53,16 +54,19 @@ class ScoreTests {
             product(left_[static_cast<std::size_t>(j)], changes_[static_cast<std::size_t>(k)]);
     }
     std::vector<Eigen::Index> named;
+    for (const Suspect& known : model_.corrected)
+      for (Eigen::Index j = 0; j < count; ++j)
+        if (suspects_[static_cast<std::size_t>(j)].is_same(known)) named.push_back(j);
     for (int n = 0; n < kMostNamed; ++n) {
       const Eigen::Index next = most_significant(information, score, named);
       if (next < 0) break;
       named.push_back(next);
-      suspects_[static_cast<std::size_t>(next)].named = true;
     }
     const Eigen::MatrixXd covariance = Eigen::MatrixXd(information(named, named)).inverse();
     const Eigen::VectorXd estimates = covariance * Eigen::VectorXd(score(named));
     for (Eigen::Index n = 0; n < estimates.size(); ++n) {
       Suspect& suspect = suspects_[static_cast<std::size_t>(named[static_cast<std::size_t>(n)])];
+      suspect.named = true;
       suspect.estimate = estimates[n];
       suspect.deviation = found_.noise_factor * std::sqrt(covariance(n, n));
     }
@@ -80,6 +84,10 @@ class ScoreTests {
   /// Share of the misfit beyond noise. Less of it may be explained by chance: the grid's misfit is
   /// shared by many pixels and is no noise.
   static constexpr double kLeastExplained = 0.1;
+
+  /// Part of the strength with which the flame follows a change. What smoothing has taken away from
+  /// the flame is in the residual, and looks like a camera that is displaced.
+  static constexpr double kFreer = 0.01;
 
   double product(std::span<const double> a, std::span<const double> b) const {
     const std::span<const double> weights = model_.problem->weights();
@@ -118,7 +126,7 @@ class ScoreTests {
   std::vector<double> left_of(const std::vector<double>& change) const {
     if (execution_.stop.stop_requested()) throw Cancelled();
     const LinearProblem linear = model_.problem->problem(change);
-    const Regularisation penalty = model_.problem->regularisation(found_.strength);
+    const Regularisation penalty = model_.problem->regularisation(kFreer * found_.strength);
     SolverOptions options;
     options.iterations = accuracy_.iterations;
     options.relative_change = accuracy_.relative_change;

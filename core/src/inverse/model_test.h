@@ -17,6 +17,8 @@ struct TestedModel {
   CameraRaySettings rays;            ///< by which A's were drawn
   std::span<const double> light;     ///< A x
   std::span<const double> residual;  ///< b - A x
+  /// Quantities that were corrected: what is left of them is estimated with those that are named.
+  std::span<const Suspect> corrected;
 };
 
 /// Tests what the pictures say of exposure, stray light, place, turn and focus of each camera, with

@@ -263,8 +263,8 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     watch.reached(to);
   }
   // The pictures themselves tell how far they are from the model.
-  const double free_rows = std::max(0.5 * rows, rows - std::max(0.0, result.resolved_unknowns));
-  result.noise_factor = std::sqrt(std::max(1.0, result.chi_squared * rows / free_rows));
+  const double free = free_chi_squared(result.chi_squared * rows, rows, result.resolved_unknowns);
+  result.noise_factor = std::sqrt(free);
   if (settings.draws < 1) return;
   std::vector<double> squares(result.values.size(), 0.0);
   const auto add = [&](std::span<const double> u) {
@@ -285,8 +285,9 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     prior = problem.regularisation(strength);
   }
   draw_posterior(linear, prior, settings.draws, 1, add, watch.rest(1), accuracy);
+  const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
   for (const double square : squares)
-    result.deviation.push_back(result.noise_factor * std::sqrt(square / settings.draws));
+    result.deviation.push_back(factor * std::sqrt(square / settings.draws));
 }
 
 PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const ScaledProblem& problem,
@@ -557,8 +558,9 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
           CameraRaySettings how = settings.rays;
           how.keep = !result.drawn;
-          result.suspects = test_model({&problem, &views, &*weighted, how, explained, left}, result,
-                                       {kLeastProbe, 1e-3}, watch.inner());
+          result.suspects =
+              test_model({&problem, &views, &*weighted, how, explained, left, settings.corrected},
+                         result, {kLeastProbe, 1e-3}, watch.inner());
         }
       }
       watch.reached(1);

@@ -445,14 +445,16 @@ class ThermalSolver {
           result_.resolved_absorption.push_back(std::clamp(found.resolved[n + j], 0.0, 1.0));
       }
     }
-    const double free_rows =
-        std::max(0.5 * rows_, rows_ - std::max(0.0, figures.resolved_unknowns));
-    figures.noise_factor = std::sqrt(std::max(1.0, figures.chi_squared * rows_ / free_rows));
+    const double free =
+        free_chi_squared(figures.chi_squared * rows_, rows_, figures.resolved_unknowns);
+    figures.noise_factor = std::sqrt(free);
     if (draws < 1) return;
     FlameEstimate& estimate = result_.estimate;
     const SourceFunction& source = input_.channels[0].source;
     std::vector<double> emission(n, 0.0), temperature(n, 0.0), absorption(n, 0.0);
-    const double share = figures.noise_factor * figures.noise_factor / draws;
+    const double factor =
+        deviation_factor(free, rows_, static_cast<double>(steps.moving.columns()));
+    const double share = factor * factor / draws;
     const auto add = [&](std::span<const double> moved) {
       for (std::size_t j = 0; j < n; ++j) {
         const double hotter = unit_ * moved[j], thicker = thick() ? moved[n + j] : 0;

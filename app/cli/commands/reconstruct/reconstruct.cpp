@@ -17,6 +17,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/inverse/shared_assembly.h"
+#include "plenoflame/scene/cameras.h"
 #include "progress_bar.h"
 #include "ranks.h"
 #include "run.h"
@@ -44,6 +45,18 @@ std::string plain_text(const Report& report) {
   return all;
 }
 
+/// The scenes with the cameras that were refined.
+void write_refined(const ReconstructArguments& arguments, const std::vector<CameraScene>& views,
+                   const std::vector<CameraSpec>& cameras, FileSet& files) {
+  for (std::size_t s = 0; s < arguments.refined_scenes.size(); ++s) {
+    Scene scene = read_scene(arguments.scenes[s], arguments.set).scene;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      if (views[v].file == arguments.scenes[s]) scene = replace_camera(scene, cameras[v]);
+    files.write(arguments.refined_scenes[s],
+                [&](const std::string& name) { write_scene_file(name, scene); });
+  }
+}
+
 void write_reports(const ReconstructArguments& arguments, const ReconstructPage& page,
                    std::size_t frame, std::size_t frames, FileSet& files) {
   for (const std::string& name : arguments.reports) {
@@ -60,6 +73,8 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
                     const std::stop_token& stop) {
   // Before any work: wrong options, files that do not fit, outputs that cannot be written.
   reconstruction_settings(arguments, 1);
+  if (ranks && !arguments.refine.empty())
+    throw UsageError("--refine moves cameras, which other ranks do not: run it in one process");
   const std::vector<CameraScene> views =
       read_camera_scenes(arguments.scenes, arguments.set, arguments.cameras);
   const std::size_t frames = frame_count(arguments, views.size());
@@ -96,6 +111,7 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
         write_residual(name, pictures.pictures[v], cameras.channel_name(0),
                        result.figures.residual[v], result.figures.explained[v]);
       });
+    if (f == 0) write_refined(arguments, views, reconstructor.camera_specs(), files);
     const Report report = reconstructor.report(result, output, execution);
     std::vector<std::string> names;
     for (std::size_t k = 0; k < cameras.channels.size(); ++k)

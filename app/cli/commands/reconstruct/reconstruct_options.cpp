@@ -113,6 +113,16 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
                   "Tell how wide a point at this place becomes; may be given more than once")
       ->option_text("X,Y,Z");
   command
+      .add_option("--refine", arguments.refine,
+                  "Correct what the pictures say is wrong of the cameras: exposure, pose (place "
+                  "across the line of sight, turn about it), focus; with commas between")
+      ->option_text("WHAT[,...]");
+  command
+      .add_option("--refined", arguments.refined_scenes,
+                  "Scenes with the refined cameras, one for each of SCENES (.toml)")
+      ->check(written())
+      ->option_text("FILE.toml ...");
+  command
       .add_option("--memory", arguments.memory,
                   "For a stored matrix [MB]; where it does not suffice rays are followed again in "
                   "each iteration (2000)")
@@ -201,7 +211,17 @@ void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t 
     throw UsageError("--residual is for a single channel; --report FILE.html shows those of all");
   if (!arguments.output.ends_with(".vdb"))
     throw UsageError("-o: '" + arguments.output + "' must end in .vdb");
+  if (!arguments.refined_scenes.empty() && arguments.refine.empty())
+    throw UsageError("--refined writes what --refine corrects: give that, too");
+  if (!arguments.refined_scenes.empty() &&
+      arguments.refined_scenes.size() != arguments.scenes.size())
+    throw UsageError(fmt::format("--refined: {} files for {} scenes",
+                                 arguments.refined_scenes.size(), arguments.scenes.size()));
   std::vector<std::string> outputs = arguments.residuals;
+  for (const std::string& scene : arguments.refined_scenes) {
+    if (!scene.ends_with(".toml")) throw UsageError("--refined: '" + scene + "' must end in .toml");
+    outputs.push_back(scene);
+  }
   for (const std::string& report : arguments.reports)
     if (!report.ends_with(".json") && !report.ends_with(".txt") && !report.ends_with(".html"))
       throw UsageError("--report: '" + report + "' must end in .json, .txt or .html");

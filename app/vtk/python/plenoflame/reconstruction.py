@@ -222,7 +222,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
                 absorption=None, channel=None, absorption_ratios=None, noise=0, support=None, all_voxels=False,
                 solver="fista", smoothing=None, strength=None, iterations=300, subsets=None,
                 relaxation=None, prior=None, start=None, rays=64, bin=1, cells=None, draws=30, probes=16, spread=(), memory=2000,
-                form="auto", seed=None, truth=False, threads=0, progress=None):
+                form="auto", refine=None, seed=None, truth=False, threads=0, progress=None):
     """The flame back from pictures of it, as `plenoflame reconstruct` (docs/reconstruct.md), whose options these are.
 
         found = plenoflame.reconstruct(scene, scene.render(512), unknowns="rings", grid=(16, 32), absorption="scene")
@@ -235,6 +235,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     grid: numbers of unknowns; center, size, axis: in metres, or texts with units
     absorption: None, "scene", or a value [1/m]
     start, prior: a Reconstruction or a file
+    refine: what of the cameras the pictures may correct, of "exposure,pose,focus"; `figures["corrected"]` tells what was
     memory: of a stored matrix [MB]; beyond it rays are followed again in each iteration
     form: what is kept: the "matrix", its "rays", or nothing: rays are "drawn" again in each iteration; "auto": the first that
     there is memory for
@@ -251,7 +252,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
                "rays": rays, "bin": bin, "cells": cells, "draws": draws, "probes": probes, "memory": memory, "seed": seed,
                "smoothing": smoothing, "absorption_ratios": absorption_ratios}
     options.update({name: None if value is None else words(value) for name, value in numbers.items()})
-    options.update(form=form, find=find, solver=solver,
+    options.update(form=form, find=find, solver=solver, refine=refine,
                    support=None if support is None else os.fspath(support), start=_set_earlier(algorithm, "start", start),
                    prior=_set_earlier(algorithm, "prior", prior), truth=str(bool(truth)).lower(),
                    all_voxels=str(bool(all_voxels)).lower())

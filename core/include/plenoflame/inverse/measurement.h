@@ -29,8 +29,8 @@ struct Measurement {
   std::size_t negative = 0;   ///< pixels below 0 by more than 5 standard deviations
 };
 
-/// False if a picture says that another camera has taken it: sensor, lens, array, focus or place
-/// differ.
+/// False if a picture says that another camera has taken it: sensor, lens or array differ, or focus
+/// and place do by more than 2 %. Less than that is the same camera, calibrated better.
 bool may_be_taken_by(const LightField& picture, const Scene& scene);
 
 /// Takes a channel of a picture: fluxes [W] as render writes them, or electrons as develop writes

@@ -63,7 +63,9 @@ struct ReconstructionSettings {
   bool ray_noise = true;
   int draws = 30;          ///< of the posterior, for the standard deviations; 0: none
   bool test_model = true;  ///< after deviations: suspect.h
-  int probes = 16;         ///< random vectors for the diagonal of the resolution matrix; 0: none
+  /// Quantities that were corrected: the test estimates what is left of them.
+  std::vector<Suspect> corrected;
+  int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
   double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
   /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
@@ -103,8 +105,8 @@ struct Reconstruction {
   std::vector<double> values;
   /// The flame at the places of the unknowns, from these samples: values_at_places().
   std::vector<double> at_places;
-  /// Standard deviations of that (uncertainty.h), times noise_factor; empty: no draws, or the
-  /// solver has no quadratic penalty.
+  /// Standard deviations of that (uncertainty.h), which hold the misfit beyond noise; empty: no
+  /// draws, or the solver has no quadratic penalty.
   std::vector<double> deviation;
   /// Root of chi^2 over the rows less the unknowns that they determine; at least 1. Above 1 the
   /// pictures differ from the model by this multiple of their noise.

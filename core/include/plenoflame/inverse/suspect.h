@@ -23,6 +23,7 @@ struct Suspect {
   /// The pictures say that it is wrong, beside others that are named. Estimates of those that are
   /// named belong together.
   bool named = false;
+  bool is_same(const Suspect& other) const { return kind == other.kind && view == other.view; }
   double significance() const { return deviation > 0 ? std::fabs(estimate / deviation) : 0; }
 };
 

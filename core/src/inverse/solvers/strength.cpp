@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "inverse/expected_misfit.h"
 #include "inverse/solvers/iteration.h"
 #include "plenoflame/base/error.h"
 
@@ -19,15 +20,6 @@ double counted_rows(const LinearProblem& problem) {
   if (problem.weights.empty()) return static_cast<double>(problem.b.size());
   return static_cast<double>(std::count_if(problem.weights.begin(), problem.weights.end(),
                                            [](double w) { return w > 0; }));
-}
-
-/// Independent errors for each unknown, at most. Errors of a lattice have as many degrees of
-/// freedom as it has, whatever the number of rows that see them. Experiments chose it.
-constexpr double kErrorsOfUnknown = 5;
-
-double independent_errors(const LinearProblem& problem) {
-  return std::min(counted_rows(problem),
-                  kErrorsOfUnknown * static_cast<double>(problem.a->columns()));
 }
 
 /// Trace of the influence matrix W A (A^T W^2 A + s L^T L)^-1 A^T W, by probing: the same random
@@ -77,8 +69,9 @@ class Trials {
       penalty_.strength = strength * unit_;
       if (from < solutions_.size()) options_.start = solutions_[from].x;
       Solution solution = solve_cgls(problem_, penalty_, options_, execution_);
-      const double left =
-          independent_errors(problem_) - influence(problem_, penalty_, range_, execution_);
+      const auto columns = static_cast<double>(problem_.a->columns());
+      const double left = independent_errors(counted_rows(problem_), columns) -
+                          influence(problem_, penalty_, range_, execution_);
       // A probe that a stop cuts short tells no trace.
       if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();

@@ -1,0 +1,31 @@
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "plenoflame/inverse/reconstruction.h"
+
+namespace plenoflame {
+
+/// Quantities of cameras that were found together with the flame.
+struct Refinement {
+  /// By how much each was larger than the scenes say, with its standard deviation.
+  std::vector<Suspect> corrections;
+  /// Of each view, with its quantities corrected, and without flames; null: nothing was.
+  std::vector<std::shared_ptr<const CompiledScene>> scenes;
+  std::vector<double> exposures;  ///< of each view, by which its pictures are divided
+  bool settled = true;            ///< false: the last round still moved by half a deviation
+};
+
+/// Gauss and Newton's method on the variable projection: the flame is found, the model tested with
+/// a flame that is free to follow (suspect.h), what is named corrected, and so on. Quantities that
+/// were corrected are estimated together in all later rounds.
+/// @param input must outlive the call only @param kinds those that may be corrected; stray light
+/// may not @throws as reconstruct(); Cancelled
+Refinement refine_cameras(const ReconstructionInput& input, ReconstructionSettings settings,
+                          std::span<const SuspectKind> kinds, const Execution& execution);
+
+/// Divides fluxes, their deviations and their electrons by a camera's exposure.
+void correct_exposure(Measurement& measurement, double exposure);
+
+}  // namespace plenoflame
