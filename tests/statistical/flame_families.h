@@ -303,6 +303,7 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
   for (std::size_t v = 0; v < scenes.size(); ++v) {
     RenderSettings how;
     how.samples = 256;
+    how.control_variate = false;  // it takes longer than such small pictures
     how.seed = 7000 + trial.seed;
     const RenderResult picture = render(scenes[v], how);
     const LightFieldChannel& light = picture.light_field.channels[0];

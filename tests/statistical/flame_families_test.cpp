@@ -165,7 +165,7 @@ TEST(Refine, FindsWhatIsWrongWithinItsError) {
     FamilyTrial trial{Family::jet, true, 4, 8000, 9, 0};
     trial.wrong = kind;
     trial.by = by;
-    const FamilyProblem problem(trial);
+      const FamilyProblem problem(trial);
     const SuspectKind kinds[] = {SuspectKind::exposure, SuspectKind::right, SuspectKind::up,
                                  SuspectKind::turn};
     const Refinement found = refine_cameras(problem.input, family_settings(trial), kinds, {});
