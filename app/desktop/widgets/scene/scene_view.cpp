@@ -265,7 +265,7 @@ void SceneView::find_light() {
     execution.stop = std::move(stop);
     std::shared_ptr<const EyeFlame> light;
     try {
-      light = eye_flame(scene->scene, kLightPoints, execution);
+      light = eye_flame(scene->scene, kLightPoints, execution, scene->loaded);
     } catch (const Cancelled&) {
       return;
     } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
