@@ -520,13 +520,11 @@ QImage SceneView::picture() {
         mapper->SetImageSampleDistance(1);
         mappers.push_back(mapper);
       }
+  view_->eye->draw_at_once(true);
   view_->window->Render();
-  if (!view_->eye->is_fine()) {
-    view_->eye->refine();
-    view_->window->Render();
-  }
   // A view that was resized a moment ago is drawn once more by the grab: finely, too.
   QImage picture = view_->widget->grabFramebuffer();
+  view_->eye->draw_at_once(false);
   for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
   return picture;
 }
