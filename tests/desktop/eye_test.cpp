@@ -66,6 +66,32 @@ TEST(EyeView, LightIsThatOfTheReferenceIntegrator) {
   EXPECT_TRUE(test::relative(-std::log(static_cast<double>(seen.passed)), nodes.back(), 0.3));
 }
 
+TEST(EyeView, PointsHaveTheMediumsLightAndMediaThatAreKnownGiveTheSame) {
+  const Scene scene = layered("brightness = 3\n");
+  const CompiledScene compiled = compile(scene);
+  const auto flame = eye_flame(scene, 40, {}), same = eye_flame(scene, 40, {}, compiled.loaded);
+  ASSERT_EQ(flame->points.size(), same->points.size());
+  ASSERT_EQ(compiled.node_count(), 3);  // of the same channels
+  std::size_t lit = 0;
+  for (std::size_t i = 0; i < flame->points.size(); ++i) {
+    const auto row = static_cast<std::size_t>(flame->count[0]),
+               layer = row * static_cast<std::size_t>(flame->count[1]);
+    const Vec3 place = flame->origin + Vec3{static_cast<double>(i % row) * flame->step.x,
+                                            static_cast<double>(i % layer / row) * flame->step.y,
+                                            static_cast<double>(i / layer) * flame->step.z};
+    std::array<double, 3> emission{};
+    const double absorption = compiled.medium->coefficients(place, emission.data());
+    for (const EyeFlame::Point& p : {flame->points[i], same->points[i]}) {
+      EXPECT_TRUE(test::relative(static_cast<double>(p.x), emission[0], 1e-3));
+      EXPECT_TRUE(test::relative(static_cast<double>(p.y), emission[1], 1e-3));
+      EXPECT_TRUE(test::relative(static_cast<double>(p.z), emission[2], 1e-3));
+      EXPECT_TRUE(test::relative(static_cast<double>(p.absorption), absorption, 1e-6));
+    }
+    lit += absorption > 0 ? 1 : 0;
+  }
+  EXPECT_GT(lit, 1000U);
+}
+
 TEST(EyeView, WhatIsCutAwayGivesNoLight) {
   const auto flame = eye_flame(layered(), 60, {});
   EyeWindow window = through_the_middle(*flame);

@@ -54,24 +54,78 @@ void for_rows(int rows, const Execution& execution, const Work& work) {
     throw Cancelled();
 }
 
+/// Source functions of the nodes, by straight lines between temperatures. Exact ones would take
+/// longer than all else: each of them is a sum of exponentials.
+class SourceTable {
+ public:
+  explicit SourceTable(const std::vector<SourceFunction>& sources) : sources_(sources) {
+    values_.reserve(kKnots * sources.size());
+    for (std::size_t knot = 0; knot < kKnots; ++knot)
+      for (const SourceFunction& source : sources)
+        values_.push_back(source(kStep * static_cast<double>(knot)));
+  }
+  void at(double temperature, double* each) const {
+    const double place = std::max(0.0, temperature) / kStep;
+    const std::size_t count = sources_.size();
+    if (!(place < kKnots - 1)) {
+      for (std::size_t n = 0; n < count; ++n) each[n] = sources_[n](temperature);
+      return;
+    }
+    const auto knot = static_cast<std::size_t>(place);
+    const double share = place - static_cast<double>(knot);
+    const double* const value = &values_[knot * count];
+    for (std::size_t n = 0; n < count; ++n)
+      each[n] = value[n] + share * (value[count + n] - value[n]);
+  }
+
+ private:
+  static constexpr double kStep = 2;  ///< [K]; an error of 2e-4 at 1500 K in the blue
+  static constexpr std::size_t kKnots = 3001;
+  const std::vector<SourceFunction>& sources_;
+  std::vector<double> values_;
+};
+
+/// True if a medium emits nothing but its absorption times the source functions.
+bool is_thermal(const FlameSpec& flame) {
+  return flame.lines.empty() && flame.scattering.grid.empty();
+}
+
+/// True if the medium of any channels tells the eye all.
+bool is_same_in_all_channels(const FlameSpec& flame) {
+  return flame.spectrum.kind == SpectrumKind::grey && flame.lines.empty() &&
+         !flame.scattering.present();
+}
+
 /// Adds the light of one flame.
-void add_flame(const Medium& medium, const SpectralNodes& nodes, const FlameSpec& flame,
-               const Execution& execution, EyeFlame& all) {
+void add_flame(const Medium& medium, const SpectralNodes& nodes, const SourceTable& table,
+               const FlameSpec& flame, const Execution& execution, EyeFlame& all) {
   const auto count = nodes.sources.size();
   const auto weight = [&](int channel, std::size_t node) {
     if (nodes.mix.empty()) return static_cast<std::size_t>(channel) == node ? 1.0 : 0.0;
     return nodes.mix.weight(channel, static_cast<int>(node));
   };
+  const bool thermal = is_thermal(flame), grey = medium.is_grey();
   const auto [nx, ny, nz] = all.count;
   for_rows(ny * nz, execution, [&, nx = nx, ny = ny](int row) {
     std::vector<double> emission(count), absorption(count);
     for (int i = 0; i < nx; ++i) {
       const Vec3 place{all.origin.x + i * all.step.x, all.origin.y + (row % ny) * all.step.y,
                        all.origin.z + (row / ny) * all.step.z};
-      medium.absorptions(place, absorption.data());
-      // Light without absorption is that of lines.
-      if (flame.lines.empty() && absorption.front() == 0 && absorption.back() == 0) continue;
-      medium.coefficients(place, emission.data());
+      if (thermal) {
+        const MediumSample here = medium.sample(place);
+        if (here.absorption == 0) continue;
+        if (grey)
+          std::fill(absorption.begin(), absorption.end(), here.absorption);
+        else
+          medium.absorptions(place, absorption.data());
+        table.at(here.temperature, emission.data());
+        for (std::size_t n = 0; n < count; ++n) emission[n] *= absorption[n];
+      } else {
+        medium.absorptions(place, absorption.data());
+        // Light without absorption is that of lines.
+        if (flame.lines.empty() && absorption.front() == 0 && absorption.back() == 0) continue;
+        medium.coefficients(place, emission.data());
+      }
       std::array<double, 3> xyz{};
       double luminous = 0;
       for (std::size_t n = 0; n < count; ++n)
@@ -109,7 +163,7 @@ double bright_of(const EyeFlame& flame) {
                                         static_cast<std::size_t>(j) * stride[v] +
                                         static_cast<std::size_t>(k) * stride[axis]];
           sum += passed * static_cast<double>(p.y) * length;
-          passed *= std::exp(-static_cast<double>(p.absorption) * length);
+          if (p.absorption > 0) passed *= std::exp(-static_cast<double>(p.absorption) * length);
         }
         if (sum > 0) sums.push_back(sum);
       }
@@ -187,15 +241,19 @@ Box EyeFlame::box() const {
 }
 
 std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
-                                          const Execution& execution) {
+                                          const Execution& execution,
+                                          const std::vector<std::shared_ptr<const Medium>>& known) {
   if (scene.flames.empty()) return nullptr;
   const Scene eye = seen_by_eye(scene);
   const SpectralNodes nodes = spectral_nodes(eye);
   const std::string folder = std::filesystem::path(scene.file).parent_path().string();
   std::vector<std::shared_ptr<const Medium>> media;
   Box all;
-  for (const FlameSpec& flame : eye.flames) {
-    media.push_back(load_medium(flame, folder, nodes.sources, execution));
+  for (std::size_t i = 0; i < eye.flames.size(); ++i) {
+    const FlameSpec& flame = eye.flames[i];
+    media.push_back(i < known.size() && known[i] && is_same_in_all_channels(flame)
+                        ? known[i]
+                        : load_medium(flame, folder, nodes.sources, execution));
     const Box box = media.back()->bounds();
     if (box.empty()) continue;
     all = all.empty() ? box : Box{least_of(all.lower, box.lower), most_of(all.upper, box.upper)};
@@ -215,8 +273,9 @@ std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
   result->points.resize(static_cast<std::size_t>(result->count[0]) *
                         static_cast<std::size_t>(result->count[1]) *
                         static_cast<std::size_t>(result->count[2]));
+  const SourceTable table(nodes.sources);
   for (std::size_t i = 0; i < media.size(); ++i)
-    add_flame(*media[i], nodes, eye.flames[i], execution, *result);
+    add_flame(*media[i], nodes, table, eye.flames[i], execution, *result);
   result->bright = bright_of(*result);
   return result;
 }

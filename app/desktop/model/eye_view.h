@@ -6,6 +6,7 @@
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/math/vector.h"
+#include "plenoflame/media/medium.h"
 #include "plenoflame/scene/scene.h"
 
 namespace plenoflame::desktop {
@@ -26,9 +27,12 @@ struct EyeFlame {
 };
 
 /// @param longest points along the longest side
+/// @param known media of the scene's flames before their brightness (CompiledScene::loaded); those
+/// that suit the eye, too, are not loaded once more
 /// @return null when there are no flames  @throws InputError, FileError, Cancelled
-std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
-                                          const Execution& execution);
+std::shared_ptr<const EyeFlame> eye_flame(
+    const Scene& scene, int longest, const Execution& execution,
+    const std::vector<std::shared_ptr<const Medium>>& known = {});
 
 /// A rectangle that is seen from a point: the pixels that are drawn of it.
 struct EyeWindow {

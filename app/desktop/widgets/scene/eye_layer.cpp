@@ -41,7 +41,6 @@ EyeLayer::EyeLayer(vtkRenderer& renderer) : renderer_(renderer) {
   actor_->VisibilityOff();
   renderer_.AddActor(actor_);
   rest_.setSingleShot(true);
-  rest_.setInterval(kRestsAfter);
   connect(&rest_, &QTimer::timeout, this, [this] {
     const unsigned number = newest_;
     task_.request([this, number, flame = flame_, window = window()](std::stop_token stop) {
@@ -52,7 +51,7 @@ EyeLayer::EyeLayer(vtkRenderer& renderer) : renderer_(renderer) {
         post(this, [this, number, light] {
           if (number != newest_ || fine_) return;
           fine_ = true;
-          take(*light);
+          take(light);
           emit changed();
         });
       } catch (const std::exception&) {  // stopped: another one is wanted
@@ -66,22 +65,26 @@ EyeLayer::~EyeLayer() {
 }
 
 void EyeLayer::set_flame(std::shared_ptr<const EyeFlame> flame) {
+  if (flame == flame_) return;
   flame_ = std::move(flame);
-  camera_ = {};
+  light_ = nullptr;
+  outdated_ = true;
   rest_.stop();  // nothing is drawn of the one before
   task_.cancel();
   ++newest_;
 }
 
 void EyeLayer::set_shift(const Vec3& shift) {
+  outdated_ |= shift != shift_;
   shift_ = shift;
-  camera_ = {};
 }
 
 void EyeLayer::set_look(double exposure, const Box& kept) {
-  exposure_ = exposure;
+  outdated_ |= kept != kept_;
   kept_ = kept;
-  camera_ = {};
+  if (exposure == exposure_) return;
+  exposure_ = exposure;
+  if (light_) develop();
 }
 
 /// The rectangle around the flames as they are seen, as far as the view shows it.
@@ -148,7 +151,13 @@ void EyeLayer::place(const EyeWindow& window) {
   set(window.corner, &vtkPlaneSource::SetPoint2);
 }
 
-void EyeLayer::take(const EyeLight& light) {
+void EyeLayer::take(std::shared_ptr<const EyeLight> light) {
+  light_ = std::move(light);
+  develop();
+}
+
+void EyeLayer::develop() {
+  const EyeLight& light = *light_;
   const int glare = static_cast<int>(kGlareShare * std::max(light.width, light.height));
   const auto picture = eye_picture(light, flame_->bright, exposure_, glare);
   image_->SetDimensions(light.width, light.height, 1);
@@ -165,7 +174,7 @@ void EyeLayer::follow_camera() {
   if (!actor_->GetVisibility()) return;
   vtkCamera& camera = *renderer_.GetActiveCamera();
   const int* const size = renderer_.GetSize();
-  std::array<double, 16> now{};
+  std::array<double, 14> now{};
   std::copy_n(camera.GetPosition(), 3, now.begin());
   std::copy_n(camera.GetFocalPoint(), 3, now.begin() + 3);
   std::copy_n(camera.GetViewUp(), 3, now.begin() + 6);
@@ -173,28 +182,24 @@ void EyeLayer::follow_camera() {
   now[11] = camera.GetViewAngle();
   now[12] = size[0];
   now[13] = size[1];
-  now[14] = 1;
-  if (now == camera_) return;
+  const bool moves = now != camera_;
+  if (!moves && !outdated_ && (fine_ || !at_once_)) return;
   camera_ = now;
+  outdated_ = false;
   ++newest_;
-  fine_ = false;
-  EyeWindow seen = window();
-  place(seen);
-  const double share =
-      std::min(1.0, static_cast<double>(kCoarse) / std::max(seen.width, seen.height));
-  seen.width = std::max(1, static_cast<int>(share * seen.width));
-  seen.height = std::max(1, static_cast<int>(share * seen.height));
-  take(eye_light(*flame_, seen, {}));
-  rest_.start();
-}
-
-void EyeLayer::refine() {
-  follow_camera();
-  if (is_fine()) return;
   rest_.stop();
   task_.cancel();
-  fine_ = true;
-  take(eye_light(*flame_, window(), {}));
+  EyeWindow seen = window();
+  place(seen);
+  fine_ = at_once_;
+  if (!fine_) {
+    const double share =
+        std::min(1.0, static_cast<double>(kCoarse) / std::max(seen.width, seen.height));
+    seen.width = std::max(1, static_cast<int>(share * seen.width));
+    seen.height = std::max(1, static_cast<int>(share * seen.height));
+    rest_.start(moves ? kRestsAfter : 0);
+  }
+  take(std::make_shared<const EyeLight>(eye_light(*flame_, seen, {})));
 }
 
 }  // namespace plenoflame::desktop

@@ -32,8 +32,8 @@ class EyeLayer : public QObject {
   void set_visible(bool on) { visible_ = on; }
   /// Before each drawing of the view: follows its camera.
   void follow_camera();
-  /// Draws it finely now.
-  void refine();
+  /// While it is on, each picture is fine at once, however long that takes.
+  void draw_at_once(bool on) { at_once_ = on; }
   /// True if there is light to be seen.
   bool has_light() const { return flame_ && flame_->bright > 0; }
   /// True if what is shown is as fine as it gets.
@@ -46,15 +46,19 @@ class EyeLayer : public QObject {
  private:
   EyeWindow window() const;
   void place(const EyeWindow& window);
-  void take(const EyeLight& light);
+  void take(std::shared_ptr<const EyeLight> light);
+  /// The light as a picture of the present exposure.
+  void develop();
 
   vtkRenderer& renderer_;
   std::shared_ptr<const EyeFlame> flame_;
   Vec3 shift_;
   Box kept_;
   double exposure_ = 0;
-  bool visible_ = false, fine_ = false;
-  std::array<double, 16> camera_{};  ///< for which it was drawn
+  bool visible_ = false, fine_ = false, at_once_ = false;
+  bool outdated_ = true;                   ///< drawn of other flames, or elsewhere
+  std::shared_ptr<const EyeLight> light_;  ///< what is drawn; null: nothing yet
+  std::array<double, 14> camera_{};        ///< for which it was drawn
   vtkNew<vtkPlaneSource> plane_;
   vtkNew<vtkImageData> image_;
   vtkNew<vtkActor> actor_;

@@ -265,7 +265,7 @@ void SceneView::find_light() {
     execution.stop = std::move(stop);
     std::shared_ptr<const EyeFlame> light;
     try {
-      light = eye_flame(scene->scene, kLightPoints, execution);
+      light = eye_flame(scene->scene, kLightPoints, execution, scene->loaded);
     } catch (const Cancelled&) {
       return;
     } catch (const std::exception&) {  // what is wrong with the scene is said by the compiler
@@ -520,13 +520,11 @@ QImage SceneView::picture() {
         mapper->SetImageSampleDistance(1);
         mappers.push_back(mapper);
       }
+  view_->eye->draw_at_once(true);
   view_->window->Render();
-  if (!view_->eye->is_fine()) {
-    view_->eye->refine();
-    view_->window->Render();
-  }
   // A view that was resized a moment ago is drawn once more by the grab: finely, too.
   QImage picture = view_->widget->grabFramebuffer();
+  view_->eye->draw_at_once(false);
   for (auto* mapper : mappers) mapper->AutoAdjustSampleDistancesOn();
   return picture;
 }
