@@ -106,7 +106,7 @@ class Reconstructor {
   std::vector<char> support_;
   std::vector<Vec3> spreads_;
   std::optional<FlameTruth> truth_;
-  std::optional<Refinement> refinement_;  ///< of the first frame, where it is asked for
+  std::optional<Refinement> refinement_;  ///< of the first frame; empty: no --refine
 };
 
 /// @throws FileError, InputError: there is none of the grids

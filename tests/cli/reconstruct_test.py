@@ -458,8 +458,30 @@ class Reconstruct(CommandTest):
         for form in ("rays", "drawn"):
             self.succeeds("operator", "front.toml", "--grid", "6", "--rays", "4", "--bin", "2", "--form", form, "--quiet",
                           "-o", f"{form}.npz")
-        kept, drawn = (open(self.path(f"{form}.npz"), "rb").read() for form in ("rays", "drawn"))
-        self.assertEqual(kept, drawn)
+        self.assertEqual(self.read("rays.npz"), self.read("drawn.npz"))
+
+    REFINE = ("--unknowns", "rings", "--grid", "12,24", "--rays", "16")
+
+    def test_refine_finds_a_camera_that_stands_aside(self):
+        # A round flame before one camera: what the scene has wrong is the axis in its picture, which is its place.
+        refined, _ = self.reconstruct("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr", *self.REFINE,
+                                      "--refine", "pose", "--refined", "refined.toml", "-o", "refined.vdb")
+        found, = (one for one in refined["corrected"] if one["quantity"] == "right")
+        self.assertLess(abs(found["estimate"] - 0.5e-3), 0.05e-3, found)  # y points to the left
+        self.assertIn("This is corrected.", refined["verdict"])
+        # The scene that was written needs no more correction.
+        again, _ = self.reconstruct("refined.toml", "--images", "front-electrons.exr", *self.REFINE, "-o", "again.vdb")
+        self.assertFalse([one for one in again["suspects"] if one["named"] and one["quantity"] == "right"])
+        self.assertLess(abs(again["chi_squared"] / refined["chi_squared"] - 1), 0.02)
+
+    def test_refine_refuses_what_it_cannot_do(self):
+        run = ("reconstruct", "front.toml", "--images", "front-electrons.exr", *self.REFINE, "-o", "x.vdb", "--quiet")
+        self.fails(2, *run, "--refine", "axis", mentions=["--refine", "exposure", "pose", "focus"])
+        self.fails(2, *run, "--refine", "pose", "--solver", "tv", "--strength", "1", mentions=["--refine", "tv"])
+        self.fails(2, *run, "--refined", "y.toml", mentions=["--refined", "--refine"])
+        self.fails(2, *run, "--refine", "pose", "--refined", "y.toml", "z.toml", mentions=["2 files for 1 scenes"])
+        self.fails(2, *run, "--refine", "pose", "--refined", "y.txt", mentions=["y.txt", ".toml"])
+        self.fails(2, *run, "--refine", "pose", "--refined", "front.toml", mentions=["front.toml"])
 
 
 if __name__ == "__main__":

@@ -28,8 +28,8 @@ inline double free_chi_squared(double misfit, double rows, double resolved) {
   return std::max(1.0, misfit / std::max(0.5 * rows, rows - std::max(0.0, resolved)));
 }
 
-/// What posterior deviations are multiplied by. Noise is independent in each row. What the misfit
-/// has beyond it is an error of the lattice, which groups of rows share: their mean errs as one.
+/// Factor of posterior deviations. Noise is independent in each row. The rest of the misfit is an
+/// error of the lattice, which groups of rows share: their mean errs as one.
 inline double deviation_factor(double free_chi_squared, double rows, double unknowns) {
   return std::sqrt(1 + (free_chi_squared - 1) * rows / independent_errors(rows, unknowns));
 }

@@ -94,8 +94,8 @@ class LeftOut {
   const Image* state_ = nullptr;
 };
 
-/// True if two cameras stand at almost the same place and are focused almost alike: one is the
-/// other as a later calibration or --refine has found it.
+/// True if two cameras stand at almost the same place and are focused almost alike. One is the
+/// other as a later calibration has found it.
 bool is_almost_at(const CameraSpec& a, const CameraSpec& b) {
   constexpr double kAlmost = 0.02;  // of a distance, or [rad]
   const auto is_close = [](double x, double y) {

@@ -85,8 +85,8 @@ class ScoreTests {
   /// shared by many pixels and is no noise.
   static constexpr double kLeastExplained = 0.1;
 
-  /// Part of the strength with which the flame follows a change. What smoothing has taken away from
-  /// the flame is in the residual, and looks like a camera that is displaced.
+  /// Part of the strength with which the flame follows a change. With all of it, the part of the
+  /// flame that smoothing takes away looks like a camera that is displaced.
   static constexpr double kFreer = 0.01;
 
   double product(std::span<const double> a, std::span<const double> b) const {

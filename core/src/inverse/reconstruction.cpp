@@ -221,10 +221,12 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   // such where errors of the model, which neighbouring pixels share, pass for what the flame
   // explains.
   constexpr double kMostTimesBrighter = 2;
+  constexpr double kMostNegative = 0.1;
   StrengthRange range = kLinearRange;
   range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
                                 std::pow(kMostTimesBrighter, 2),
                             range.lowest, 0.01 * range.highest);
+  range.most_negative = kMostNegative;
   range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
   SolverOptions options;
   options.iterations = range.iterations;
@@ -277,9 +279,10 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     // Only places with light bend: the amplitude that the strength tells in the mean of all is
     // theirs, and larger.
     double strength = share_of_lit(result.at_places, result.solved) * result.strength;
-    // One camera sees how fine the structure is, and not how much light is at which depth. Its
-    // prior has to allow a flame as bright as the one that was found.
-    if (input.views.size() == 1)
+    // One camera sees how fine the structure is, and not how much light is at which depth; two
+    // cameras tell it only in part. Rings look the same to every camera. The prior has to allow a
+    // flame as bright as the one that was found.
+    if (input.views.size() <= 2 || input.unknowns->begins_at_centre())
       strength = std::min(
           strength, strength_of_brightness(problem, input.prior, result.values, watch.inner()));
     prior = problem.regularisation(strength);

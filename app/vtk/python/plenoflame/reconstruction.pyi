@@ -58,6 +58,6 @@ def reconstruct(scene: Union[Scene, Sequence[Scene]], images: Union[_Image, Sequ
                 iterations: int = ..., subsets: Optional[int] = ...,
                 relaxation: Optional[float] = ..., prior: Union[None, Reconstruction, _Path] = ...,
                 start: Union[None, Reconstruction, _Path] = ..., rays: int = ..., bin: Union[int, str] = ..., cells: Optional[int] = ...,
-                draws: int = ..., refine: Optional[str] = ...,
-                probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., memory: int = ..., form: str = ..., seed: Optional[int] = ...,
+                draws: int = ...,
+                probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., memory: int = ..., form: str = ..., refine: Optional[str] = ..., seed: Optional[int] = ...,
                 truth: bool = ..., threads: int = ..., progress: Optional[Progress] = ...) -> Reconstruction: ...

@@ -11,15 +11,15 @@ namespace plenoflame {
 struct Refinement {
   /// By how much each was larger than the scenes say, with its standard deviation.
   std::vector<Suspect> corrections;
-  /// Of each view, with its quantities corrected, and without flames; null: nothing was.
+  /// The scene of each view with its quantities corrected, and without flames; null: nothing was.
   std::vector<std::shared_ptr<const CompiledScene>> scenes;
   std::vector<double> exposures;  ///< of each view, by which its pictures are divided
   bool settled = true;            ///< false: the last round still moved by half a deviation
 };
 
-/// Gauss and Newton's method on the variable projection: the flame is found, the model tested with
-/// a flame that is free to follow (suspect.h), what is named corrected, and so on. Quantities that
-/// were corrected are estimated together in all later rounds.
+/// Gauss and Newton's method on the variable projection. Each round finds the flame, tests the
+/// model (suspect.h), and corrects the named quantities. Later rounds estimate all corrected ones
+/// together.
 /// @param input must outlive the call only @param kinds those that may be corrected; stray light
 /// may not @throws as reconstruct(); Cancelled
 Refinement refine_cameras(const ReconstructionInput& input, ReconstructionSettings settings,

@@ -11,6 +11,7 @@ struct StrengthPoint {
   double misfit = 0;    ///< |W (A x - b)|^2
   double penalty = 0;   ///< |L (x - prior)|^2
   double gcv = 0;       ///< misfit / (m - trace of the influence matrix)^2, see choose_strength()
+  double negative = 0;  ///< 2-norm of the negative values over that of all
 };
 
 struct StrengthChoice {
@@ -27,6 +28,9 @@ struct StrengthRange {
   int points = 11;                      ///< of the curve; the search goes on between two of them
   int probes = 4;                       ///< random vectors for the trace
   int iterations = 500;                 ///< of each solution, at most
+  /// Strengths with a larger negative part are not chosen, for unknowns that cannot be negative. A
+  /// large one pays for errors of the lattice with light that cannot be.
+  double most_negative = 1;
 };
 
 /// The strength of least generalised cross-validation (Golub, Heath and Wahba 1979), of the problem

@@ -22,6 +22,15 @@ double counted_rows(const LinearProblem& problem) {
                                            [](double w) { return w > 0; }));
 }
 
+double negative_part(std::span<const double> x) {
+  double below = 0, all = 0;
+  for (const double value : x) {
+    all += value * value;
+    if (value < 0) below += value * value;
+  }
+  return all > 0 ? std::sqrt(below / all) : 0;
+}
+
 /// Trace of the influence matrix W A (A^T W^2 A + s L^T L)^-1 A^T W, by probing: the same random
 /// signs for every strength, so that the curve is smooth (Girard 1989).
 double influence(const LinearProblem& problem, const Regularisation& penalty,
@@ -75,8 +84,8 @@ class Trials {
       // A probe that a stop cuts short tells no trace.
       if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();
-      curve_.push_back(
-          {strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left)});
+      curve_.push_back({strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left),
+                        negative_part(solution.x)});
       solutions_.push_back(std::move(solution));
     } catch (const Cancelled&) {
       if (curve_.empty()) throw;
@@ -86,11 +95,15 @@ class Trials {
   }
 
   std::size_t count() const { return curve_.size(); }
+  /// The first one, which is the strongest, where none may be chosen.
   std::size_t best() const {
     std::size_t best = 0;
     for (std::size_t k = 1; k < curve_.size(); ++k)
-      if (curve_[k].gcv < curve_[best].gcv) best = k;
+      if (may_be_chosen(k) && curve_[k].gcv < curve_[best].gcv) best = k;
     return best;
+  }
+  bool may_be_chosen(std::size_t trial) const {
+    return curve_[trial].negative <= range_.most_negative;
   }
   double strength(std::size_t trial) const { return curve_[trial].strength; }
   /// The next stronger or weaker one of all trials; 0: there is none.
@@ -139,7 +152,8 @@ StrengthChoice choose_strength(const LinearProblem& problem, const Regularisatio
     const double share = static_cast<double>(k) / (range.points - 1);
     goes_on = trials.attempt(range.lowest * std::pow(range.highest / range.lowest, share),
                              trials.count() - 1);
-    if (goes_on && trials.count() > trials.best() + kWorse) break;
+    if (!goes_on || trials.count() > trials.best() + kWorse) break;
+    if (!trials.may_be_chosen(trials.count() - 1)) break;
   }
   for (int halving = 0; halving < kHalvings && goes_on; ++halving) {
     const std::size_t best = trials.best();
