@@ -210,6 +210,7 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   result.relaxation = request.relaxation;
   result.support = !request.all;
   result.draws = whole_number_option("--draws", request.draws, 0, 100000);
+  result.test_model = result.draws > 0;
   result.probes = whole_number_option("--probes", request.probes, 0, 100000);
   result.memory = 1e6 * whole_number_option("--memory", request.memory, 0, 100000000);
   result.form = forms().at(request.form);

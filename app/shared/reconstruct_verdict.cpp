@@ -78,9 +78,12 @@ MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& un
 
 std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
                     const std::string& kind, const std::vector<std::string>& cameras) {
-  if (!result.figures.complete) return "The run was stopped: this is no result yet.";
+  std::string corrected;
+  for (const std::string& line : what_was_corrected(result, kind, cameras)) corrected += ' ' + line;
+  if (!result.figures.complete) return "The run was stopped: this is no result yet." + corrected;
   const MeanDeviations means = mean_deviations(result.estimate, unknowns);
-  if (!means.emission) return "It is not known how far this can be believed: no deviations.";
+  if (!means.emission)
+    return "It is not known how far this can be believed: no deviations." + corrected;
   const std::string one = kind == "voxels" ? "voxel" : kind == "rings" ? "ring" : "layer";
   std::string text =
       fmt::format("The emission of a {} is known to {}", one, readable_percent(*means.emission));
@@ -95,7 +98,7 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
            " Rings need one camera where the flame is round; voxels need several.";
   else if (*means.emission > kHardlyKnown)
     text += " That is hardly anything: take more light, more cameras or a coarser grid.";
-  for (const std::string& line : what_was_corrected(result, kind, cameras)) text += ' ' + line;
+  text += corrected;
   const std::vector<std::string> wrong = what_is_wrong(result.figures, kind, cameras);
   for (const std::string& line : wrong) text += ' ' + line;
   if (!wrong.empty()) text += " The deviations hold for a right model only.";

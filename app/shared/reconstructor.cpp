@@ -10,6 +10,7 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/axis_fit.h"
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/volumes/grid_file.h"
@@ -181,13 +182,32 @@ FlameAxis fitted_axis(const ReconstructRequest& request, const ReconstructCamera
 void check_order(const ReconstructCameras& cameras, const std::vector<LightField>& pictures,
                  const std::vector<std::string>& names) {
   for (std::size_t v = 0; v < pictures.size(); ++v) {
-    if (may_be_taken_by(pictures[v], cameras.cameras[v].scene->scene)) continue;
+    const Scene& own = cameras.cameras[v].scene->scene;
+    if (was_taken_by(pictures[v], own)) continue;
+    const bool fits = may_be_taken_by(pictures[v], own);
     for (const ReconstructCamera& other : cameras.cameras)
-      if (may_be_taken_by(pictures[v], other.scene->scene))
+      if (fits ? was_taken_by(pictures[v], other.scene->scene)
+               : may_be_taken_by(pictures[v], other.scene->scene))
         throw InputError(
             fmt::format("{} is given for {}, but it is the picture of {}: give the "
                         "pictures in the order of the cameras",
                         names[v], cameras.cameras[v].what, other.what));
+  }
+}
+
+/// @throws UsageError where cameras cannot be refined
+void check_refined(const ReconstructRequest& request, const ReconstructCameras& cameras) {
+  const std::vector<SuspectKind> kinds = request.refined();
+  if (kinds.empty()) return;
+  const bool moves =
+      std::ranges::any_of(kinds, [](SuspectKind kind) { return kind != SuspectKind::exposure; });
+  for (const ReconstructCamera& camera : cameras.cameras) {
+    if (camera.compiled && moves)
+      throw UsageError(
+          "--refine: rays of compiled cameras stay where they are: only exposure can be refined");
+    if (!camera.scene->camera.pupil_filters().empty())
+      throw UsageError("--refine: " + camera.what +
+                       " has filters in its pupil, whose colours would pass for displacements");
   }
 }
 
@@ -319,11 +339,7 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   const CompiledScene& scene = cameras.first();
   settings_ = reconstruction_settings(request_, cameras.seed);
   settings_.rays.channel = static_cast<int>(cameras.channels[0]);
-  for (const ReconstructCamera& camera : cameras.cameras)
-    if (camera.compiled && request_.refine.find("pose") != std::string::npos)
-      throw UsageError(
-          "--refine: rays of compiled cameras stay where they are: only their exposure can be "
-          "refined");
+  check_refined(request_, cameras);
   if (request_.truth && !scene.medium)
     throw UsageError("--truth: the scene has no flame to compare with");
   if (request_.unknowns.fits_axis()) {
@@ -379,18 +395,9 @@ ReconstructResult Reconstructor::frame(
     const std::function<void(const ReconstructionState&)>& watch) {
   // Refining takes the first half of the progress.
   const bool refines = !refinement_ && !request_.refined().empty();
-  const auto part = [&](double from, double share) {
-    Execution inner = execution;
-    if (execution.progress)
-      inner.progress = [&execution, from, share](Progress progress) {
-        progress.fraction = from + share * progress.fraction;
-        execution.progress(progress);
-      };
-    return inner;
-  };
-  if (refines) refine(measurements, part(0, 0.5));
+  if (refines) refine(measurements, part_of_progress(execution, 0, 0.5));
   const FrameMeasurements corrected = corrected_exposures(measurements, refinement_);
-  const Execution rest = refines ? part(0.5, 0.5) : execution;
+  const Execution rest = refines ? part_of_progress(execution, 0.5, 0.5) : execution;
   settings_.watch = watch;
   ReconstructResult result =
       request_.sought() == Sought::emission ? linear(corrected, rest) : thermal(corrected, rest);

@@ -18,7 +18,7 @@ void displace(CameraSpec& camera, SuspectKind kind, double amount) {
       camera.up = std::cos(amount) * up + std::sin(amount) * right;
       break;
     case SuspectKind::focus:
-      camera.focus.lens_distance *= 1 + amount;
+      camera.focus.lens_distance *= 1 - amount;
       camera.focus.object_distance *= 1 + amount;
       break;
     case SuspectKind::exposure:

@@ -98,27 +98,39 @@ class LeftOut {
 /// other as a later calibration has found it.
 bool is_almost_at(const CameraSpec& a, const CameraSpec& b) {
   constexpr double kAlmost = 0.02;  // of a distance, or [rad]
+  constexpr double kUnknown = 1;    // [m] for the distance of what is looked at, where none is said
   const auto is_close = [](double x, double y) {
-    return std::fabs(x - y) <= kAlmost * std::fabs(y);
+    return x == y || std::fabs(x - y) <= kAlmost * std::fabs(y);
   };
-  const double distance = length(a.position - b.position);
-  const double turn = length(normalize(a.look_direction) - normalize(b.look_direction));
-  const double roll = length(normalize(a.up) - normalize(b.up));
-  return (distance == 0 || distance <= kAlmost * b.focus.object_distance) && turn <= kAlmost &&
-         roll <= kAlmost && is_close(a.focus.lens_distance, b.focus.lens_distance) &&
-         is_close(a.focus.object_distance, b.focus.object_distance);
+  const double object = b.focus.object_distance;
+  const double distance = std::isfinite(object) && object > 0 ? object : kUnknown;
+  return length(a.position - b.position) <= kAlmost * distance &&
+         length(normalize(a.look_direction) - normalize(b.look_direction)) <= kAlmost &&
+         length(normalize(a.up) - normalize(b.up)) <= kAlmost &&
+         is_close(a.focus.lens_distance, b.focus.lens_distance) &&
+         is_close(a.focus.object_distance, object);
+}
+
+/// The camera that a picture says has taken it, with the sensor and the name of the scene's: how a
+/// frame was taken does not move any ray.
+CameraSpec camera_of(const LightField& picture, const Scene& scene) {
+  CameraSpec own = parse_embedded_scene(picture.scene_text, "the picture").scene.camera;
+  own.sensor = scene.camera.sensor;
+  own.wavelength = scene.camera.wavelength;  // not in files
+  own.name = scene.camera.name;
+  return own;
+}
+
+bool fits_sensor(const LightField& picture, const SensorSpec& sensor) {
+  return picture.sensor_width == sensor.columns && picture.sensor_height == sensor.rows;
 }
 
 }  // namespace
 
 bool may_be_taken_by(const LightField& picture, const Scene& scene) {
-  const SensorSpec& sensor = scene.camera.sensor;
-  if (picture.sensor_width != sensor.columns || picture.sensor_height != sensor.rows) return false;
+  if (!fits_sensor(picture, scene.camera.sensor)) return false;
   if (picture.scene_text.empty()) return true;
-  CameraSpec own = parse_embedded_scene(picture.scene_text, "the picture").scene.camera;
-  own.sensor = sensor;                       // how a frame was taken does not move any ray
-  own.wavelength = scene.camera.wavelength;  // not in files
-  own.name = scene.camera.name;
+  CameraSpec own = camera_of(picture, scene);
   if (!is_almost_at(own, scene.camera)) return false;
   own.position = scene.camera.position;
   own.look_direction = scene.camera.look_direction;
@@ -126,6 +138,11 @@ bool may_be_taken_by(const LightField& picture, const Scene& scene) {
   own.focus.lens_distance = scene.camera.focus.lens_distance;
   own.focus.object_distance = scene.camera.focus.object_distance;
   return own == scene.camera;
+}
+
+bool was_taken_by(const LightField& picture, const Scene& scene) {
+  return fits_sensor(picture, scene.camera.sensor) && !picture.scene_text.empty() &&
+         camera_of(picture, scene) == scene.camera;
 }
 
 Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,

@@ -14,9 +14,9 @@
 #include "inverse/operators/remembered_product.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/worthwhile_threads.h"
-#include "inverse/part_of_progress.h"
 #include "inverse/row_results.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/light_behind.h"
@@ -556,7 +556,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv) {
         add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
-        if (settings.test_model && settings.draws > 0) {
+        if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
           CameraRaySettings how = settings.rays;

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "inverse/displaced_camera.h"
-#include "inverse/part_of_progress.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 
 namespace plenoflame {
 namespace {
@@ -67,8 +67,7 @@ void correct_exposure(Measurement& measurement, double exposure) {
 
 Refinement refine_cameras(const ReconstructionInput& input, ReconstructionSettings settings,
                           std::span<const SuspectKind> kinds, const Execution& execution) {
-  // A test of the model needs no deviations.
-  settings.draws = 1;
+  settings.draws = 0;  // tests need no deviations
   settings.probes = std::min(settings.probes, 4);
   settings.test_model = true;
   Refinement result;

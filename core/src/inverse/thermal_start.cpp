@@ -5,8 +5,8 @@
 #include <string>
 #include <utility>
 
-#include "inverse/part_of_progress.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/scene/pupil_transmission.h"
 

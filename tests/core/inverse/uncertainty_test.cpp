@@ -103,6 +103,23 @@ TEST(Strength, GoesOnAboutTheBestOnly) {
   EXPECT_TRUE(p.choice(range).at_end);
 }
 
+// A profile with a gap that is negative: strengths are chosen that leave less of it.
+TEST(Strength, LeavesLittleThatIsNegative) {
+  Profile p;
+  for (std::size_t i = 0; i < p.b.size(); ++i)
+    if (i > p.b.size() / 2) p.b[i] = -0.3 * p.b[i];
+  StrengthRange range;
+  const StrengthChoice plain = p.choice(range);
+  const auto negative_of = [&](double strength) {
+    const Eigen::VectorXd x = p.exact(strength * p.unit());
+    return x.cwiseMin(0).norm() / x.norm();
+  };
+  range.most_negative = 0.8 * negative_of(plain.strength);
+  const StrengthChoice choice = p.choice(range);
+  EXPECT_GT(choice.strength, plain.strength);
+  EXPECT_LE(negative_of(choice.strength), 1.001 * range.most_negative);
+}
+
 // A pyramid that falls to half within two samples along one axis and one along the other; at the
 // rim its width is not known.
 TEST(Uncertainty, HalfWidthsOfAPyramid) {

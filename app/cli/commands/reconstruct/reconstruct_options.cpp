@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 
 #include "choice.h"
@@ -217,6 +218,11 @@ void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t 
       arguments.refined_scenes.size() != arguments.scenes.size())
     throw UsageError(fmt::format("--refined: {} files for {} scenes",
                                  arguments.refined_scenes.size(), arguments.scenes.size()));
+  std::vector<std::string> scenes = arguments.scenes;
+  std::ranges::sort(scenes);
+  if (const auto twice = std::ranges::adjacent_find(scenes);
+      twice != scenes.end() && !arguments.refined_scenes.empty())
+    throw UsageError("--refined: " + *twice + " is given twice");
   std::vector<std::string> outputs = arguments.residuals;
   for (const std::string& scene : arguments.refined_scenes) {
     if (!scene.ends_with(".toml")) throw UsageError("--refined: '" + scene + "' must end in .toml");

@@ -32,6 +32,8 @@ struct Measurement {
 /// False if a picture says that another camera has taken it: sensor, lens or array differ, or focus
 /// and place do by more than 2 %. Less than that is the same camera, calibrated better.
 bool may_be_taken_by(const LightField& picture, const Scene& scene);
+/// True if a picture says that this very camera has taken it.
+bool was_taken_by(const LightField& picture, const Scene& scene);
 
 /// Takes a channel of a picture: fluxes [W] as render writes them, or electrons as develop writes
 /// them, whose dark signal is taken away: of a sensor with shot noise in both. The deviation is

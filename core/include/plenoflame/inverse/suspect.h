@@ -11,7 +11,9 @@ enum class SuspectKind {
   right,        ///< [m] place of the camera, across its line of sight
   up,           ///< [m] the same upwards
   turn,         ///< [rad] about the line of sight
-  focus,        ///< relative change of the distance that it is focused on
+  /// Relative change of the distance that it is focused on. In the mode `distance` it is that of
+  /// the distance from lens to array, by which that is smaller.
+  focus,
 };
 
 /// A test of such a quantity against the pictures (Rao's score test).
