@@ -81,11 +81,11 @@ class Reconstruct(CommandTest):
     def test_voxels_from_two_cameras_and_from_one(self):
         both, warnings = self.reconstruct(
             "front.toml", "side.toml", "--images", "front-electrons.exr", "side-electrons.exr",
-            "--grid", "24", "--absorption", "scene", "--truth", "-o", "both.vdb")
+            "--grid", "24", "--bin", "2", "--rays", "32", "--absorption", "scene", "--truth", "-o", "both.vdb")
         self.assertNotIn("times worse", warnings)
-        self.assertLess(both["truth_temperature_error"], 0.06)  # 0.056; the depth of either is told by the other alone
+        self.assertLess(both["truth_temperature_error"], 0.03)  # 0.019; it was 0.056 with light that cannot be
         one, warnings = self.reconstruct(
-            "front.toml", "--images", "front-electrons.exr", "--grid", "24", "--absorption", "scene",
+            "front.toml", "--images", "front-electrons.exr", "--grid", "24", "--bin", "2", "--rays", "32", "--absorption", "scene",
             "--truth", "-o", "one.vdb")
         self.assertIn("times worse", one["warning"])
         self.assertIn("times worse", warnings)
