@@ -111,7 +111,7 @@ bool is_almost_at(const CameraSpec& a, const CameraSpec& b) {
          is_close(a.focus.object_distance, object);
 }
 
-/// The camera that a picture says has taken it, with the sensor and the name of the scene's: how a
+/// The camera that a picture names, with the sensor and the name of the scene's camera. The way a
 /// frame was taken does not move any ray.
 CameraSpec camera_of(const LightField& picture, const Scene& scene) {
   CameraSpec own = parse_embedded_scene(picture.scene_text, "the picture").scene.camera;
