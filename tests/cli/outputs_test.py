@@ -25,7 +25,7 @@ COMMANDS = {
     "refocus": (["FILE", "--scene=FILE"], ["-o"], []),
     "export": (["FILE", "--scene=FILE"], ["-o"], ["--format", "libpleno"]),
     "reconstruct": (["FILE", "--images=FILE", "--support=FILE", "--prior=FILE", "--start=FILE", "--compiled=FILE"],
-                    ["-o", "--residual", "--report"], []),
+                    ["-o", "--residual", "--report", "--refined"], []),
     "flame": (["--layers=FILE"], ["-o"], ["layered"]),
     "flame import": (["FILE", "--solution=FILE"], ["-o"], []),
     "picture": (["FILE", "--image=FILE", "--rays-file=FILE"], ["-o"], []),
