@@ -161,7 +161,7 @@ if chosen smoke; then
 fi
 shades=48 picture calibration-plate 0.3,0.3
 
-# The plots of docs/design.md, made by its commands.
+# The plots of docs/design.md and docs/user/lenses.md, made by their commands.
 if chosen design; then
   "$plenoflame" design examples/paper-flame-1m.toml --solve index --plots out/design >/dev/null 2>&1
   printf '[camera.lens]\npreset = "double-gauss-100mm"\n' >out/lens.toml
