@@ -137,7 +137,7 @@ TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
 // the flame the pictures do not tell which one stands aside: the block may move with the others.
 TEST(ModelTest, NamesWhatIsWrong) {
   ReconstructionSettings settings;
-  settings.draws = 0;
+  settings.draws = 1;
   settings.test_model = true;
   settings.probes = 4;
   FamilyTrial trial{Family::blobs, false, 3, 8000, 8, 0};
