@@ -36,7 +36,7 @@ RegularLattice line_of(int count) {
   return lattice;
 }
 
-// What lines leave of a curved field is of second order in the step; what is left afterwards is
+// Straight lines miss a curved field by a term of second order in the step. The correction leaves
 // a tenth of it at these steps.
 TEST(ValuesAtPlaces, AreThoseOfTheFieldThatLinesComeNearestTo) {
   const auto field = [](double x) { return 2 + std::sin(0.7 * x); };

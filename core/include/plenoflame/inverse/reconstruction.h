@@ -141,7 +141,7 @@ struct Reconstruction {
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
-  /// That of the unknown that shines most: its widths are the resolution. Empty as `resolved`.
+  /// The point spread of the brightest unknown. Its widths are the resolution. Empty as `resolved`.
   std::vector<PointSpread> resolution;
   /// Faults of the cameras, those first that the pictures name; empty: no test of the model.
   std::vector<Suspect> suspects;
