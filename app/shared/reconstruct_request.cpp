@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <map>
 #include <sstream>
@@ -138,13 +139,18 @@ std::vector<std::string> ReconstructRequest::channels() const {
 std::vector<SuspectKind> ReconstructRequest::refined() const {
   std::vector<SuspectKind> kinds;
   for (const std::string& word : split(refine)) {
-    check_choice("--refine", word, {"exposure", "pose", "focus"});
+    check_choice("--refine", word, {"exposure", "pose", "focus", "axis"});
     if (word == "exposure") kinds.push_back(SuspectKind::exposure);
     if (word == "focus") kinds.push_back(SuspectKind::focus);
     if (word == "pose")
-      kinds.insert(kinds.end(), {SuspectKind::right, SuspectKind::up, SuspectKind::turn});
+      kinds.insert(kinds.end(),
+                   {SuspectKind::right, SuspectKind::up, SuspectKind::forward, SuspectKind::turn});
   }
   return kinds;
+}
+
+bool ReconstructRequest::refines_axis() const {
+  return std::ranges::count(split(refine), "axis") > 0;
 }
 
 void set_option(ReconstructRequest& request, const std::string& name, const std::string& text) {
@@ -220,6 +226,8 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   const bool posterior = is_penalised(result.solver) && result.solver != ReconstructionSolver::tv;
   refuse(!request.refined().empty() && !posterior, "--refine",
          "tests the model against the penalty, which --solver " + request.solver + " has not");
+  refuse(request.refines_axis() && request.unknowns.kind != "rings", "--refine axis",
+         "is for rings, not for " + request.unknowns.kind);
   refuse(wants_matrix(result.solver) && !(result.memory > 0), "--memory 0",
          "leaves no room for the stored matrix, whose rows --solver " + request.solver +
              " goes through; the others follow the rays again");

@@ -26,7 +26,7 @@ struct EarlierResult {
 /// front ends fill it. Empty texts stand for defaults.
 struct ReconstructRequest {
   std::vector<std::string> spreads;
-  std::string refine;  ///< "exposure,pose,focus", or some of them
+  std::string refine;  ///< "exposure,pose,focus,axis", or some of them
   UnknownsRequest unknowns;
   std::string find = "emission", channel, solver = "fista", smoothing, ratio;
   std::string start, resume, prior, support;  ///< files
@@ -40,6 +40,8 @@ struct ReconstructRequest {
   Sought sought() const;
   /// Quantities of cameras that may be corrected. @throws UsageError for other words
   std::vector<SuspectKind> refined() const;
+  /// The rings' axis is corrected before the flame is found.
+  bool refines_axis() const;
   /// Names of channels; empty: the pictures' first, or for two quantities the first two.
   std::vector<std::string> channels() const;
 };

@@ -192,6 +192,14 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
                                          "the deviations hold that",
                                          reconstruction.noise_factor));
   report.add_json("noise_factor", reconstruction.noise_factor);
+  if (reconstruction.chain) {
+    report.add_text("Markov chain",
+                    fmt::format("{:.2f} times as wide as the linearised problem; {:.0f} % of its "
+                                "steps are taken",
+                                reconstruction.chain->width, 100 * reconstruction.chain->accepted));
+    report.add_json("chain_width", reconstruction.chain->width);
+    report.add_json("chain_accepted", reconstruction.chain->accepted);
+  }
   if (reconstruction.rendered_chi_squared >= 0)
     report.add("as rendered",
                "chi^2 per row " + readable_number(reconstruction.rendered_chi_squared) +
@@ -263,15 +271,16 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
 
 void report_suspects(const ReconstructResult& result, const std::vector<std::string>& cameras,
                      Report& report) {
-  static constexpr const char* kNames[] = {"exposure", "stray_light", "right",
-                                           "up",       "turn",        "focus"};
+  static constexpr const char* kNames[] = {"exposure", "stray_light", "right", "up",
+                                           "forward",  "turn",        "focus", "absorption"};
   const auto list = [&](const std::vector<Suspect>& all, bool tests) {
     nlohmann::json suspects = nlohmann::json::array();
     for (const Suspect& suspect : all) {
       suspects.push_back({{"quantity", kNames[static_cast<int>(suspect.kind)]},
-                          {"camera", cameras.at(suspect.view)},
                           {"estimate", suspect.estimate},
                           {"deviation", suspect.deviation}});
+      if (suspect.kind != SuspectKind::absorption)
+        suspects.back()["camera"] = cameras.at(suspect.view);
       if (tests) suspects.back()["named"] = suspect.named;
     }
     return suspects;

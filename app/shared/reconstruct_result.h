@@ -1,4 +1,5 @@
 #pragma once
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct ReconstructResult {
   double scale_error = 0;
   std::vector<Suspect> corrections;  ///< of --refine: what the scenes had wrong
   bool settled = true;               ///< false: the corrections still moved at their end
+  /// A block that would hold the flame, where that of the unknowns cuts it.
+  std::optional<Box> uncut_block = {};
 };
 
 /// A field of what was found.

@@ -4,8 +4,10 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "options.h"
+#include "plenoflame/inverse/flame_block.h"
 #include "readable.h"
 
 namespace plenoflame {
@@ -13,8 +15,8 @@ namespace {
 
 /// Above this part of a value its deviation says that hardly anything is known.
 constexpr double kHardlyKnown = 0.5;
-/// A smaller part of a camera's light beside the block is its blur and no flame that is cut.
-constexpr double kCut = 0.01;
+/// Shares of light that an uncoated window may take.
+constexpr std::pair<double, double> kGlass{0.05, 0.15};
 
 /// "0.51 +- 0.03" in a unit.
 std::string amount(const Suspect& suspect, double unit) {
@@ -26,9 +28,12 @@ std::string sentence(const Suspect& suspect, const std::string& kind, const std:
                      std::size_t cameras) {
   const bool more = suspect.estimate > 0;
   switch (suspect.kind) {
-    case SuspectKind::exposure:
-      return fmt::format("{}: {} % {} than the others.", camera, amount(suspect, 0.01),
-                         more ? "brighter" : "darker");
+    case SuspectKind::exposure: {
+      const bool glass = -suspect.estimate > kGlass.first && -suspect.estimate < kGlass.second;
+      return fmt::format("{}: {} % {} than the others{}.", camera, amount(suspect, 0.01),
+                         more ? "brighter" : "darker",
+                         glass ? ", as behind a window that the scene lacks" : "");
+    }
     case SuspectKind::stray_light:
       return fmt::format("{}: {} W {} in every row, as of stray light or a wrong dark signal.",
                          camera, amount(suspect, 1), more ? "too much" : "too little");
@@ -42,6 +47,10 @@ std::string sentence(const Suspect& suspect, const std::string& kind, const std:
     case SuspectKind::up:
       return fmt::format("{}: it stands {} mm {} than the scene says, or is tilted.", camera,
                          amount(suspect, 1e-3), more ? "higher" : "lower");
+    case SuspectKind::forward:
+      return fmt::format("{}: it stands {} mm {} than the scene says, or is focused differently{}.",
+                         camera, amount(suspect, 1e-3), more ? "nearer" : "farther",
+                         more ? ", or looks through glass some three times as thick" : "");
     case SuspectKind::turn:
       return fmt::format("{}: it is turned about its line of sight by {} deg {}.", camera,
                          amount(suspect, std::numbers::pi / 180),
@@ -49,6 +58,9 @@ std::string sentence(const Suspect& suspect, const std::string& kind, const std:
     case SuspectKind::focus:
       return fmt::format("{}: it is focused {} % {} than the scene says.", camera,
                          amount(suspect, 0.01), more ? "farther" : "nearer");
+    case SuspectKind::absorption:
+      return fmt::format("The absorption is {} % {} than was given.", amount(suspect, 0.01),
+                         more ? "larger" : "smaller");
   }
   return "";
 }
@@ -99,7 +111,7 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
   else if (*means.emission > kHardlyKnown)
     text += " That is hardly anything: take more light, more cameras or a coarser grid.";
   text += corrected;
-  const std::vector<std::string> wrong = what_is_wrong(result.figures, kind, cameras);
+  const std::vector<std::string> wrong = what_is_wrong(result, kind, cameras);
   for (const std::string& line : wrong) text += ' ' + line;
   if (!wrong.empty()) text += " The deviations hold for a right model only.";
   return text;
@@ -115,15 +127,21 @@ std::vector<std::string> what_was_corrected(const ReconstructResult& result,
   return lines;
 }
 
-std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,
+std::vector<std::string> what_is_wrong(const ReconstructResult& result, const std::string& kind,
                                        const std::vector<std::string>& cameras) {
+  const Reconstruction& figures = result.figures;
   std::vector<std::string> lines;
   for (std::size_t v = 0; v < figures.light_outside.size(); ++v)
-    if (figures.light_outside[v] > kCut)
+    if (figures.light_outside[v] > kLightCut)
       lines.push_back(
-          fmt::format("The block cuts the flame: {} of the light of {} passes beside it "
-                      "(--size).",
+          fmt::format("The block cuts the flame: {} of the light of {} passes beside it.",
                       readable_percent(figures.light_outside[v]), cameras.at(v)));
+  if (result.uncut_block) {
+    const auto& [lower, upper] = *result.uncut_block;
+    lines.push_back(fmt::format("A block about {} of the size {} holds it.",
+                                readable_point(0.5 * (lower + upper)),
+                                readable_point(upper - lower)));
+  }
   for (const Suspect& suspect : figures.suspects)
     if (suspect.named)
       lines.push_back(sentence(suspect, kind, cameras.at(suspect.view), cameras.size()));

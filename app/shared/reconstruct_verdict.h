@@ -26,9 +26,9 @@ std::vector<std::string> what_was_corrected(const ReconstructResult& result,
                                             const std::string& kind,
                                             const std::vector<std::string>& cameras);
 
-/// A sentence for each thing that the pictures say is wrong: quantities of cameras, and a block
-/// that cuts the flame.
-std::vector<std::string> what_is_wrong(const Reconstruction& figures, const std::string& kind,
+/// A sentence for each thing that the pictures say is wrong: a block that cuts the flame, and
+/// quantities of cameras and flame.
+std::vector<std::string> what_is_wrong(const ReconstructResult& result, const std::string& kind,
                                        const std::vector<std::string>& cameras);
 
 }  // namespace plenoflame

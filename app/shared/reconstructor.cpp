@@ -8,17 +8,20 @@
 #include <sstream>
 #include <utility>
 
+#include "fitted_unknowns.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
-#include "plenoflame/inverse/axis_fit.h"
-#include "plenoflame/inverse/light_behind.h"
+#include "plenoflame/inverse/flame_block.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
 #include "reconstruct_verdict.h"
 
 namespace plenoflame {
 namespace {
+
+/// Share of the work before the cameras are tested, of temperatures.
+constexpr double kUntested = 0.7;
 
 /// Channels that are wanted, as the first picture names them.
 /// @param filtered filters in the pupil may give one channel two colours
@@ -83,6 +86,7 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
         1e-6 * figures.matrix_bytes, 1e-6 * settings.memory,
         figures.drawn ? "more than the machine has memory for, and drawn" : "followed"));
   if (!figures.complete) return;
+  constexpr double kLeastAccepted = 0.2;
   if (!figures.explained_by_noise)
     execution.warn(
         fmt::format("noise does not explain the pictures, chi^2 per row stays at {:.3g}: {}the "
@@ -92,6 +96,11 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
     execution.warn(
         "the strength is at the end of the range that was looked at: see the curve in "
         "--report FILE.html, or give --strength");
+  if (figures.chain && figures.chain->accepted < kLeastAccepted)
+    execution.warn(
+        fmt::format("the temperature is known so badly that its deviations are rough: a "
+                    "Markov chain takes {:.0f} % of its steps",
+                    100 * figures.chain->accepted));
   // Small cameras whose rows erred by 10 % had a scatter of 1.4 to 2 stated deviations.
   constexpr double kMostOfRays = 0.05;
   if (figures.rays_error.overall > kMostOfRays)
@@ -157,25 +166,6 @@ std::vector<double> absorption_ratios(const ReconstructRequest& request,
     ratios.push_back(wavelength(0) / wavelength(k));
   }
   return ratios;
-}
-
-/// The rings' axis by the pictures, begun with an upright one through the block that is solved for.
-FlameAxis fitted_axis(const ReconstructRequest& request, const ReconstructCameras& cameras,
-                      const std::vector<Measurement>& measurements, const Execution& execution) {
-  const std::unique_ptr<Unknowns> unknowns = unknowns_of(request.unknowns, cameras.first());
-  const Box box = unknowns->bounds();
-  CameraRaySettings how;
-  how.samples = 4;
-  how.channel = static_cast<int>(cameras.channels[0]);
-  std::vector<CameraView> views = cameras.views();
-  for (std::size_t v = 0; v < views.size(); ++v) views[v].window = measurements[v].window;
-  const CameraRays rays = draw_camera_rays(views, box, how, execution);
-  FlameAxis start;
-  start.base = 0.5 * (box.lower + box.upper);
-  start.direction = {0, 0, 1};
-  MeasuredRows measured = measured_rows(measurements, rays, 1);
-  take_away(light_behind(views, rays, *unknowns, {}, how, execution), measured);
-  return fit_axis(rays, measured, start);
 }
 
 /// @throws InputError where a picture is that of another one of the cameras
@@ -342,8 +332,12 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   check_refined(request_, cameras);
   if (request_.truth && !scene.medium)
     throw UsageError("--truth: the scene has no flame to compare with");
-  if (request_.unknowns.fits_axis()) {
-    const FlameAxis axis = fitted_axis(request_, cameras, first[0], execution);
+  request_.unknowns.fitted_block = fitted_block(request_.unknowns, cameras, first[0], execution);
+  // The middle of a block by the pictures is no axis yet.
+  const bool no_axis = request_.unknowns.kind == "rings" && request_.unknowns.axis.empty() &&
+                       request_.unknowns.fitted_block;
+  if (request_.unknowns.fits_axis() || request_.refines_axis() || no_axis) {
+    const FlameAxis axis = fitted_axis(request_.unknowns, cameras, first[0], execution);
     request_.unknowns.fitted_axis = {{axis.base, axis.direction}};
   }
   unknowns_ = unknowns_of(request_.unknowns, scene);
@@ -365,14 +359,14 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
     return *given;
   };
   if (request_.prior_values || !request_.prior.empty())
-    prior_ = samples_of(earlier(request_.prior_values, request_.prior));
+    prior_ = samples_of(earlier(request_.prior_values, request_.prior).emission, absorption_);
   const bool resumes = !request_.resume.empty();
   const std::string& path = resumes ? request_.resume : request_.start;
   if (!request_.start_values && path.empty()) return;
   const EarlierResult start = earlier(resumes ? nullptr : request_.start_values, path);
   if (resumes && request_.strength < 0) settings_.strength = start.strength;
   if (request_.sought() == Sought::emission) {
-    start_ = samples_of(start);
+    start_ = samples_of(start.emission, absorption_);
   } else if (start.temperature.empty() || start.absorption.empty()) {
     start_emission_ = start.emission;  // it was stopped before there were temperatures
   } else {
@@ -383,11 +377,11 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
 }
 
 /// Samples of the linear problem: emission, or source functions.
-std::vector<double> Reconstructor::samples_of(const EarlierResult& result) const {
-  std::vector<double> values = result.emission;
-  for (std::size_t j = 0; j < absorption_.size(); ++j)
-    values[j] = absorption_[j] > 0 ? values[j] / absorption_[j] : 0;
-  return samples_of_places(*unknowns_, values);
+std::vector<double> Reconstructor::samples_of(std::vector<double> emission,
+                                              const std::vector<double>& absorption) const {
+  for (std::size_t j = 0; j < absorption.size(); ++j)
+    emission[j] = absorption[j] > 0 ? emission[j] / absorption[j] : 0;
+  return samples_of_places(*unknowns_, emission);
 }
 
 ReconstructResult Reconstructor::frame(
@@ -407,6 +401,11 @@ ReconstructResult Reconstructor::frame(
     result.settled = refinement_->settled;
   }
   settings_.strength = result.figures.strength;
+  const bool cut = std::ranges::any_of(result.figures.light_outside,
+                                       [](double share) { return share > kLightCut; });
+  if (cut && !any_compiled(cameras_))
+    result.uncut_block =
+        block_of_light(windowed(views(), corrected[0]), corrected[0], unknowns_->bounds(), rest);
   for (const Measurement& measurement : measurements[0])
     result.scale_error = std::max(result.scale_error, measurement.scale_error);
   return result;
@@ -498,7 +497,8 @@ ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
                               ratios[k], parts_of_stop(cameras_.channels[k])});
   ThermalSettings settings;
   settings.linear = settings_;
-  ThermalReconstruction found = reconstruct_thermal(input, settings, execution);
+  ThermalReconstruction found =
+      reconstruct_thermal(input, settings, part_of_progress(execution, 0, kUntested));
   ReconstructResult result;
   result.figures = std::move(found.figures);
   result.figures.resolved = std::move(found.resolved_temperature);
@@ -507,7 +507,28 @@ ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
   start_temperature_ = result.estimate.temperature;
   start_absorption_ = result.estimate.absorption;
   start_emission_ = result.estimate.emission;
+  if (result.figures.complete && settings_.test_model && input.channels[0].parts.empty())
+    test_thermal(measurements, part_of_progress(execution, kUntested, 1 - kUntested), result);
   return result;
+}
+
+/// Tests the cameras by the emission of the first channel, with the absorption that was found.
+void Reconstructor::test_thermal(const FrameMeasurements& measurements, const Execution& execution,
+                                 ReconstructResult& result) const {
+  ReconstructionInput input = linear_input(measurements);
+  input.absorption = result.estimate.absorption;
+  input.start = samples_of(result.estimate.emission, input.absorption);
+  input.prior.clear();
+  input.spread_at.clear();
+  ReconstructionSettings settings = settings_;
+  settings.draws = 0;
+  settings.probes = std::min(settings.probes, 4);
+  settings.strength = -1;
+  settings.watch = nullptr;
+  Reconstruction tested = reconstruct(input, settings, execution);
+  result.figures.suspects = std::move(tested.suspects);
+  result.figures.light_outside = std::move(tested.light_outside);
+  result.figures.complete = tested.complete;
 }
 
 Report Reconstructor::report(const ReconstructResult& result, const std::string& output,
@@ -519,7 +540,7 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
   const std::string& kind = request_.unknowns.kind;
   const std::string words = verdict(result, *unknowns_, kind, cameras);
   report.add("in words", words, "verdict", words);
-  for (const std::string& line : what_is_wrong(result.figures, kind, cameras)) execution.warn(line);
+  for (const std::string& line : what_is_wrong(result, kind, cameras)) execution.warn(line);
   report_suspects(result, cameras, report);
   std::string names = cameras_.channel_name(0);
   for (std::size_t k = 1; k < cameras_.channels.size(); ++k)
@@ -527,6 +548,13 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
   report.add("channel", names, "channel", names);
   report.add("cameras", std::to_string(cameras_.cameras.size()), "cameras",
              cameras_.cameras.size());
+  if (request_.unknowns.fitted_block) {
+    const Box& box = *request_.unknowns.fitted_block;
+    const Vec3 centre = 0.5 * (box.lower + box.upper), size = box.upper - box.lower;
+    report.add(
+        "block", readable_point(size) + " about " + readable_point(centre) + ", by the pictures",
+        "block", {{"center", {centre.x, centre.y, centre.z}}, {"size", {size.x, size.y, size.z}}});
+  }
   if (request_.unknowns.fitted_axis) {
     const auto& [p, w] = *request_.unknowns.fitted_axis;
     report.add("axis",

@@ -89,12 +89,15 @@ class Reconstructor {
                 const Execution& execution) const;
 
  private:
-  std::vector<double> samples_of(const EarlierResult& result) const;
+  std::vector<double> samples_of(std::vector<double> emission,
+                                 const std::vector<double>& absorption) const;
   std::vector<CameraView> views() const;
   ReconstructionInput linear_input(const FrameMeasurements& measurements) const;
   void refine(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult linear(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult thermal(const FrameMeasurements& measurements, const Execution& execution);
+  void test_thermal(const FrameMeasurements& measurements, const Execution& execution,
+                    ReconstructResult& result) const;
   std::vector<std::vector<ThermalPart>> parts_of_stop(std::size_t channel) const;
 
   ReconstructRequest request_;

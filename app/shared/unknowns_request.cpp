@@ -51,21 +51,6 @@ Vec3 vector_option(const std::string& option, const std::string& text) {
   return {x, y, z};
 }
 
-/// The block of space that is asked for, or else the one of the scene's flames.
-Box box_of(const UnknownsRequest& request, const CompiledScene& scene) {
-  Box box;
-  if (scene.medium) box = scene.medium->bounds();
-  if (box.empty() && (request.centre.empty() || request.size.empty()))
-    throw UsageError("the scene has no flame that gives the box; give --center and --size");
-  const Vec3 centre = request.centre.empty() ? 0.5 * (box.lower + box.upper)
-                                             : vector_option("--center", request.centre);
-  const Vec3 size =
-      request.size.empty() ? box.upper - box.lower : vector_option("--size", request.size);
-  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0))
-    throw UsageError("--size needs three lengths above 0");
-  return {centre - 0.5 * size, centre + 0.5 * size};
-}
-
 std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& box) {
   const Vec3 size = box.upper - box.lower;
   const double longest = std::max({size.x, size.y, size.z});
@@ -135,8 +120,24 @@ std::unique_ptr<Unknowns> layers_of(const UnknownsRequest& request, const Box& b
 
 }  // namespace
 
+Box block_of(const UnknownsRequest& request, const CompiledScene& scene) {
+  if (request.fitted_block) return *request.fitted_block;
+  Box box;
+  if (scene.medium) box = scene.medium->bounds();
+  if (box.empty() && (request.centre.empty() || request.fits_block())) return box;
+  const Vec3 centre = request.centre.empty() ? 0.5 * (box.lower + box.upper)
+                                             : vector_option("--center", request.centre);
+  const Vec3 size =
+      request.fits_block() ? box.upper - box.lower : vector_option("--size", request.size);
+  if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0))
+    throw UsageError("--size needs three lengths above 0");
+  return {centre - 0.5 * size, centre + 0.5 * size};
+}
+
 std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const CompiledScene& scene) {
-  const Box box = box_of(request, scene);
+  const Box box = block_of(request, scene);
+  if (box.empty())
+    throw UsageError("the scene has no flame that gives the box; give --center and --size");
   if (request.kind == "layers") return layers_of(request, box);
   return request.kind == "rings" ? rings_of(request, box) : voxels_of(request, box);
 }

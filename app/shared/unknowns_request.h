@@ -19,7 +19,11 @@ struct UnknownsRequest {
   /// The rings' axis where it was fitted: a point of it, and its direction.
   std::optional<std::pair<Vec3, Vec3>> fitted_axis = {};
 
+  /// The block of space, where it was found by the pictures.
+  std::optional<Box> fitted_block = {};
+
   bool fits_axis() const { return kind == "rings" && axis == "fit"; }
+  bool fits_block() const { return size.empty() || size == "auto"; }
 };
 /// Axes that such unknowns have: 3 of voxels, 2 of rings, 1 of layers.
 std::size_t unknown_axes(const UnknownsRequest& request);
@@ -27,8 +31,11 @@ std::size_t unknown_axes(const UnknownsRequest& request);
 /// Options that do not go together, and words that are none of a list. @throws UsageError
 void check_unknowns(const UnknownsRequest& request);
 
-/// The unknowns that the request ask for, by default where the scene's flames are.
-/// @throws UsageError
+/// The block that the request asks for, by default that of the scene's flames; empty where neither
+/// tells it. @throws UsageError
+Box block_of(const UnknownsRequest& request, const CompiledScene& scene);
+
+/// The unknowns that the request asks for. @throws UsageError
 std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const CompiledScene& scene);
 
 /// A channel of the scene's flames at a place.

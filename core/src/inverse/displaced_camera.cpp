@@ -14,6 +14,9 @@ void displace(CameraSpec& camera, SuspectKind kind, double amount) {
     case SuspectKind::up:
       camera.position = camera.position + amount * up;
       break;
+    case SuspectKind::forward:
+      camera.position = camera.position + amount * look;
+      break;
     case SuspectKind::turn:
       camera.up = std::cos(amount) * up + std::sin(amount) * right;
       break;
@@ -23,6 +26,7 @@ void displace(CameraSpec& camera, SuspectKind kind, double amount) {
       break;
     case SuspectKind::exposure:
     case SuspectKind::stray_light:
+    case SuspectKind::absorption:
       break;
   }
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -9,6 +10,7 @@
 
 #include "inverse/displaced_camera.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 
 namespace plenoflame {
 namespace {
@@ -20,15 +22,15 @@ class ScoreTests {
              const Execution& execution)
       : model_(model), found_(found), accuracy_(accuracy), execution_(execution) {}
 
-  /// @param change of the rows for a quantity that is larger by 1; those of other cameras do not
-  /// change
-  void add(SuspectKind kind, std::size_t view, std::vector<double> change) {
-    const std::span<const double> weights = model_.problem->weights();
-    double own = 0;
-    for (std::size_t i = 0; i < change.size(); ++i) {
+  /// @param change of the rows of its camera for a quantity that is larger by 1
+  void add_of_camera(SuspectKind kind, std::size_t view, std::vector<double> change) {
+    for (std::size_t i = 0; i < change.size(); ++i)
       if (static_cast<std::size_t>(model_.emission->rays->rows[i].view) != view) change[i] = 0;
-      own += std::pow(weights[i] * change[i], 2);
-    }
+    add(kind, view, std::move(change));
+  }
+  /// @param change of all rows
+  void add(SuspectKind kind, std::size_t view, std::vector<double> change) {
+    const double own = product(change, change);
     std::vector<double> left = left_of(change);
     const double information = product(left, change);
     // A change that the flame follows almost entirely is not tested.
@@ -37,6 +39,7 @@ class ScoreTests {
     suspect.estimate = product(left, model_.residual) / information;
     suspect.deviation = found_.noise_factor / std::sqrt(information);
     suspects_.push_back(suspect);
+    effects_.push_back(std::sqrt(own / light_of(change)));
     changes_.push_back(std::move(change));
     left_.push_back(std::move(left));
   }
@@ -85,9 +88,22 @@ class ScoreTests {
   /// shared by many pixels and is no noise.
   static constexpr double kLeastExplained = 0.1;
 
+  /// Relative change of the pictures. A grid, and rays that are finite in number, look like smaller
+  /// faults of a camera.
+  static constexpr double kLeastChange = 0.01;
+
   /// Part of the strength with which the flame follows a change. With all of it, the part of the
   /// flame that smoothing takes away looks like a camera that is displaced.
   static constexpr double kFreer = 0.01;
+
+  /// The light of the rows that change.
+  double light_of(std::span<const double> change) const {
+    const std::span<const double> weights = model_.problem->weights();
+    double sum = 0;
+    for (std::size_t i = 0; i < change.size(); ++i)
+      if (change[i] != 0) sum += std::pow(weights[i] * model_.light[i], 2);
+    return sum;
+  }
 
   double product(std::span<const double> a, std::span<const double> b) const {
     const std::span<const double> weights = model_.problem->weights();
@@ -116,6 +132,8 @@ class ScoreTests {
       }
       if (!(known > kLeastLeft * information(j, j))) continue;
       if (left * left / known < kLeastExplained * beyond_noise) continue;
+      const double change = effects_[static_cast<std::size_t>(j)] * std::fabs(left) / known;
+      if (!(change > kLeastChange)) continue;
       const double significance = std::fabs(left) / (factor * std::sqrt(known));
       if (significance > most) most = significance, best = j;
     }
@@ -142,6 +160,7 @@ class ScoreTests {
   ProbeAccuracy accuracy_;
   const Execution& execution_;
   std::vector<Suspect> suspects_;
+  std::vector<double> effects_;  // relative changes of the pictures, for quantities larger by 1
   std::vector<std::vector<double>> changes_, left_;
 };
 
@@ -171,13 +190,25 @@ std::vector<double> change_of_rows(const TestedModel& model, std::size_t view, S
   return change;
 }
 
+/// The same of all rows for an absorption that is larger everywhere, by a share.
+std::vector<double> change_by_absorption(const TestedModel& model, double share,
+                                         std::span<const double> x, const Execution& execution) {
+  EmissionProblem other = *model.emission;
+  for (double& absorption : other.absorption) absorption *= 1 + share;
+  std::vector<double> change = *make_emission_operator(other, execution) * x;
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] = (change[i] - model.light[i]) / share;
+  return change;
+}
+
 }  // namespace
 
 std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
                                 const ProbeAccuracy& accuracy, const Execution& execution) {
   constexpr double kPartOfStep = 0.2;  // of the grid, that a camera is displaced by
-  constexpr double kFocus = 1e-3;
-  ScoreTests tests(model, found, accuracy, execution);
+  constexpr double kFocus = 1e-3, kShareOfAbsorption = 0.01;
+  Execution quiet = execution.threads_only();
+  quiet.stop = execution.stop;
+  ScoreTests tests(model, found, accuracy, quiet);
   const Unknowns& unknowns = *model.emission->unknowns;
   double least = 0, longest = 0;
   for (std::size_t a = 0; a < 3; ++a) {
@@ -186,18 +217,34 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
     if (least == 0 || step < least) least = step;
     longest = std::max(longest, step * unknowns.shape()[a]);
   }
+  const double across = kPartOfStep * least;
+  const std::array<std::pair<SuspectKind, double>, 5> displacements{
+      {{SuspectKind::right, across},
+       {SuspectKind::up, across},
+       {SuspectKind::forward, kPartOfStep * longest},
+       {SuspectKind::turn, across / longest},
+       {SuspectKind::focus, kFocus}}};
+  constexpr double kDisplacements = displacements.size();
+  const auto views = static_cast<double>(model.views->size());
   for (std::size_t v = 0; v < model.views->size(); ++v) {
-    tests.add(SuspectKind::stray_light, v, std::vector<double>(model.light.size(), 1.0));
-    if (model.views->size() > 1)
-      tests.add(SuspectKind::exposure, v, {model.light.begin(), model.light.end()});
+    tests.add_of_camera(SuspectKind::stray_light, v, std::vector<double>(model.light.size(), 1.0));
+    if (views > 1)
+      tests.add_of_camera(SuspectKind::exposure, v, {model.light.begin(), model.light.end()});
     if ((*model.views)[v].compiled || !(least > 0)) continue;
-    const double across = kPartOfStep * least;
-    for (const auto& [kind, step] : {std::pair{SuspectKind::right, across},
-                                     {SuspectKind::up, across},
-                                     {SuspectKind::turn, across / longest},
-                                     {SuspectKind::focus, kFocus}})
-      tests.add(kind, v, change_of_rows(model, v, kind, step, found.values, execution));
+    for (std::size_t d = 0; d < displacements.size(); ++d) {
+      const auto& [kind, step] = displacements[d];
+      report_fraction(execution,
+                      (static_cast<double>(v) + static_cast<double>(d) / kDisplacements) / views);
+      try {
+        tests.add_of_camera(kind, v, change_of_rows(model, v, kind, step, found.values, quiet));
+      } catch (const InputError&) {
+        // A camera that is displaced may be one that there cannot be: it has no test.
+      }
+    }
   }
+  if (model.emission->model == RowModel::source)
+    tests.add(SuspectKind::absorption, 0,
+              change_by_absorption(model, kShareOfAbsorption, found.values, quiet));
   return tests.take();
 }
 

@@ -21,11 +21,13 @@ struct TestedModel {
   std::span<const Suspect> corrected;
 };
 
-/// Tests what the pictures say of exposure, stray light, place, turn and focus of each camera, with
-/// the flame free to follow (docs/theory/reconstruction.md). Quantities that explain the misfit
-/// are named, one after the other, until no other is significant. Exposures are told by several
-/// cameras only; cameras that are compiled are not displaced.
-/// @param accuracy of one solution for each quantity @throws Cancelled
+/// Tests what the pictures say of exposure, stray light, place, turn and focus of each camera, and
+/// of the absorption, with the flame free to follow (docs/theory/reconstruction.md). Quantities
+/// that explain the misfit are named, one after the other, until no other is significant. Exposures
+/// are told by several cameras only. Cameras that are compiled are not displaced, nor are those
+/// that cannot be.
+/// @param accuracy of one solution for each quantity @param execution whose progress goes from 0 to
+/// 1 @throws Cancelled
 std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
                                 const ProbeAccuracy& accuracy, const Execution& execution);
 

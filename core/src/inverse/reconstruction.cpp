@@ -18,6 +18,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/emission_operator.h"
+#include "plenoflame/inverse/flame_block.h"
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/row_noise.h"
@@ -30,8 +31,9 @@ namespace plenoflame {
 namespace {
 
 /// Shares of the work, for progress, at which the rays are drawn, the strength is chosen and the
-/// solution is found; the deviations take the rest.
-constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8;
+/// solution is found; the deviations take the rest. Where the model is tested all of that is a
+/// share of the whole.
+constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8, kUntested = 0.6;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;
 /// Strength of a first guess: enough that what no pixel tells does not run away.
@@ -66,10 +68,7 @@ class Watch {
   /// So much of the whole is done.
   void reached(double share) {
     done_ = std::max(done_, share);
-    if (!execution_.progress) return;
-    Progress progress;
-    progress.fraction = done_;
-    execution_.progress(progress);
+    report_fraction(execution_, done_);
   }
   /// For what reports its own progress: from what is done to the end, or up to `to`.
   Execution rest(double to) const { return part_of_progress(execution_, done_, to - done_); }
@@ -110,40 +109,6 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
       empty[j] |= seen[j] > 0 && ruled[j] > 0.3 * seen[j];
   }
   return empty;
-}
-
-/// Share of each view's light in pixels of no row, or 0 within five standard deviations of their
-/// noise. Such light tells that the block of the unknowns cuts the flame. Empty where other things
-/// shine.
-std::vector<double> light_outside(const std::vector<CameraView>& views,
-                                  const std::vector<Measurement>& measurements,
-                                  const CameraRays& rays, int bin) {
-  for (const CameraView& view : views)
-    if (shines_without_flames(*view.scene)) return {};
-  std::vector<Image> outside;
-  for (const Measurement& m : measurements) outside.push_back(m.flux);
-  for (std::size_t r = 0; r < rays.rows.size(); ++r) {
-    const auto v = static_cast<std::size_t>(rays.rows[r].view);
-    rays.for_each_pixel(r, bin, [&](int column, int row) {
-      outside[v].at(column - measurements[v].window.x, row - measurements[v].window.y) = 0;
-    });
-  }
-  std::vector<double> shares;
-  for (std::size_t v = 0; v < measurements.size(); ++v) {
-    double all = 0, beside = 0, variance = 0, pixels = 0;
-    for (std::size_t k = 0; k < outside[v].pixels.size(); ++k) {
-      const double deviation = static_cast<double>(measurements[v].deviation.pixels[k]);
-      if (!(deviation > 0)) continue;
-      all += static_cast<double>(measurements[v].flux.pixels[k]);
-      if (outside[v].pixels[k] == 0) continue;
-      beside += static_cast<double>(outside[v].pixels[k]);
-      variance += deviation * deviation;
-      ++pixels;
-    }
-    const double error = std::hypot(std::sqrt(variance), pixels * measurements[v].model_error);
-    shares.push_back(beside > 5 * error && all > 0 ? beside / all : 0);
-  }
-  return shares;
 }
 
 /// Takes rows that see parts of the stop that do not count for rows without a usable pixel.
@@ -426,7 +391,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     is_stored(settings, least, true);
     require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0, least);
   }
-  const Execution drawing = part_of_progress(execution, 0, kDrawingShare);
+  const Execution solving = part_of_progress(execution, 0, settings.test_model ? kUntested : 1);
+  const Execution drawing = part_of_progress(solving, 0, kDrawingShare);
   const Box box = input.unknowns->bounds();
   const CameraRays rays =
       rays_by(settings.assembly, settings.form, views, box, settings.rays, drawing);
@@ -487,7 +453,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   const std::vector<double> scale = scales(*a, b, weight, empty, result);
   for (const double s : scale) result.solved.push_back(s > 0);
 
-  Watch watch(execution, rows, settings.watch);
+  Watch watch(solving, rows, settings.watch);
   // A stop before the first iteration of the solution leaves this.
   std::vector<double> reached = input.start;
   const bool counts = std::any_of(measured.electron.begin(), measured.electron.end(),
@@ -561,12 +527,12 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
           CameraRaySettings how = settings.rays;
           how.keep = !result.drawn;
-          result.suspects =
-              test_model({&problem, &views, &*weighted, how, explained, left, settings.corrected},
-                         result, {kLeastProbe, 1e-3}, watch.inner());
+          result.suspects = test_model(
+              {&problem, &views, &*weighted, how, explained, left, settings.corrected}, result,
+              {kLeastProbe, 1e-3}, part_of_progress(execution, kUntested, 1 - kUntested));
         }
       }
-      watch.reached(1);
+      report_fraction(execution, 1);
     } catch (const Cancelled&) {
       result.complete = false;  // the values are kept
     }

@@ -18,6 +18,7 @@
 #include "plenoflame/inverse/gauss_newton.h"
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/penalty.h"
+#include "plenoflame/inverse/posterior_chain.h"
 #include "plenoflame/inverse/shared_assembly.h"
 #include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/thermal_model.h"
@@ -420,7 +421,7 @@ class ThermalSolver {
       const std::vector<double> brighter = transposed_times(*derivative, explained);
       figures.unseen = 0;
       for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];
-      add_uncertainty(*derivative);
+      add_uncertainty(*derivative, explained);
     } catch (const Cancelled&) {
       figures.complete = false;
     }
@@ -428,7 +429,7 @@ class ThermalSolver {
 
   /// Deviations and resolution of the linearised problem (uncertainty.h says how), with the
   /// emission's: temperature and absorption err against each other.
-  void add_uncertainty(const LinearOperator& derivative) {
+  void add_uncertainty(const LinearOperator& derivative, std::span<const double> explained) {
     const std::size_t n = unknowns();
     const int draws = settings_.linear.draws, probes = settings_.linear.probes;
     const ProbeAccuracy accuracy{std::max(100, settings_.linear.iterations), 1e-5};
@@ -455,7 +456,10 @@ class ThermalSolver {
     const double factor =
         deviation_factor(free, rows_, static_cast<double>(steps.moving.columns()));
     const double share = factor * factor / draws;
+    std::vector<std::vector<double>> kept;
+    const bool chained = draws > 1 && x_.size() < kMostChained;
     const auto add = [&](std::span<const double> moved) {
+      if (chained) kept.emplace_back(moved.begin(), moved.end());
       for (std::size_t j = 0; j < n; ++j) {
         const double hotter = unit_ * moved[j], thicker = thick() ? moved[n + j] : 0;
         const double t = estimate.temperature[j];
@@ -467,12 +471,43 @@ class ThermalSolver {
       }
     };
     draw_posterior(problem, penalty, draws, 1, add, inner_, accuracy);
-    for (std::size_t j = 0; j < n; ++j) {
-      estimate.temperature_deviation.push_back(std::sqrt(temperature[j]));
-      estimate.emission_deviation.push_back(estimate.emission[j] * std::sqrt(emission[j]));
-      if (thick())
-        estimate.absorption_deviation.push_back(estimate.absorption[j] * std::sqrt(absorption[j]));
+    double wider = 1;
+    if (chained) {
+      figures.chain = chain_of(std::move(kept), factor, steps.moving, explained);
+      wider = std::max(1.0, figures.chain->width);
     }
+    for (std::size_t j = 0; j < n; ++j) {
+      estimate.temperature_deviation.push_back(wider * std::sqrt(temperature[j]));
+      estimate.emission_deviation.push_back(wider * estimate.emission[j] * std::sqrt(emission[j]));
+      if (thick())
+        estimate.absorption_deviation.push_back(wider * estimate.absorption[j] *
+                                                std::sqrt(absorption[j]));
+    }
+  }
+
+  /// The posterior beside that of the linearised problem, where the flame shines.
+  /// @param factor of the deviations over those of the draws
+  PosteriorChain chain_of(std::vector<std::vector<double>> draws, double factor,
+                          const LinearOperator& derivative,
+                          std::span<const double> explained) const {
+    for (std::vector<double>& draw : draws)
+      for (double& value : draw) value *= factor;
+    const auto excess = [&](std::span<const double> moved) {
+      std::vector<double> x = x_, linear(b_.size());
+      for (std::size_t j = 0; j < x.size(); ++j)
+        x[j] = std::clamp(x[j] + moved[j], lower_[j], upper_[j]);
+      derivative.apply(moved, linear);
+      const std::vector<double> fluxes = thermal_fluxes(model_, physical(x), inner_);
+      double sum = 0;
+      for (std::size_t i = 0; i < b_.size(); ++i)
+        if (weights_[i] > 0)
+          sum += weights_[i] * weights_[i] *
+                 (std::pow(fluxes[i] - b_[i], 2) - std::pow(explained[i] + linear[i] - b_[i], 2));
+      return 0.5 * sum / (factor * factor);
+    };
+    std::vector<double> light = result_.estimate.emission;
+    if (thick()) light.insert(light.end(), light.begin(), light.end());
+    return run_posterior_chain(draws, excess, light, 1);
   }
 
   const ThermalInput& input_;

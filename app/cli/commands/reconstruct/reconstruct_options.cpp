@@ -115,8 +115,8 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
       ->option_text("X,Y,Z");
   command
       .add_option("--refine", arguments.refine,
-                  "Correct what the pictures say is wrong of the cameras: exposure, pose (place "
-                  "across the line of sight, turn about it), focus; with commas between")
+                  "Correct what the pictures say is wrong: exposure, pose (place of a camera, and "
+                  "its turn about the line of sight), focus, axis (of rings); with commas between")
       ->option_text("WHAT[,...]");
   command
       .add_option("--refined", arguments.refined_scenes,

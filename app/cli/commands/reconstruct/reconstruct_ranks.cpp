@@ -12,7 +12,7 @@
 namespace plenoflame::cli {
 namespace {
 
-/// Calls visit(name, text) for everything that the unknowns are made by, but for a fitted axis.
+/// Calls visit(name, text) for everything that the unknowns are made by, but for what was fitted.
 template <class Request, class Visitor>
 void visit_unknowns(Request& request, Visitor visit) {
   visit("kind", request.kind);
@@ -34,6 +34,10 @@ void announce_reconstruction(const ReconstructArguments& arguments, const Unknow
                       {"threads", arguments.threads}};
   visit_unknowns(unknowns,
                  [&](const char* name, const std::string& text) { json["unknowns"][name] = text; });
+  if (unknowns.fitted_block) {
+    const auto& [a, b] = *unknowns.fitted_block;
+    json["fitted_block"] = {a.x, a.y, a.z, b.x, b.y, b.z};
+  }
   if (unknowns.fitted_axis) {
     const auto& [p, w] = *unknowns.fitted_axis;
     json["fitted_axis"] = {p.x, p.y, p.z, w.x, w.y, w.z};
@@ -54,10 +58,15 @@ bool serve_reconstruction(const RankMessage& begin, Communicator& ranks, int thr
   visit_unknowns(request, [&](const char* name, std::string& text) {
     json.at("unknowns").at(name).get_to(text);
   });
-  if (json.contains("fitted_axis")) {
-    const auto numbers = json.at("fitted_axis").get<std::vector<double>>();
-    request.fitted_axis = {{numbers.at(0), numbers.at(1), numbers.at(2)},
-                           {numbers.at(3), numbers.at(4), numbers.at(5)}};
+  const auto two_points = [&](const char* name) {
+    const auto numbers = json.at(name).get<std::vector<double>>();
+    return std::pair{Vec3{numbers.at(0), numbers.at(1), numbers.at(2)},
+                     Vec3{numbers.at(3), numbers.at(4), numbers.at(5)}};
+  };
+  if (json.contains("fitted_axis")) request.fitted_axis = two_points("fitted_axis");
+  if (json.contains("fitted_block")) {
+    const auto [lower, upper] = two_points("fitted_block");
+    request.fitted_block = {lower, upper};
   }
   std::deque<CompiledScene> scenes;
   std::vector<CameraView> views;

@@ -3,6 +3,14 @@
 
 namespace plenoflame {
 
+/// Reports what share of the work is done.
+inline void report_fraction(const Execution& execution, double fraction) {
+  if (!execution.progress) return;
+  Progress progress;
+  progress.fraction = fraction;
+  execution.progress(progress);
+}
+
 /// The same with progress within a part of the whole. @param execution must outlive it
 inline Execution part_of_progress(const Execution& execution, double from, double share) {
   Execution part = execution;

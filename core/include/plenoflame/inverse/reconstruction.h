@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "plenoflame/base/execution.h"
 #include "plenoflame/inverse/camera_rays.h"
 #include "plenoflame/inverse/measurement.h"
+#include "plenoflame/inverse/posterior_chain.h"
 #include "plenoflame/inverse/row_noise.h"
 #include "plenoflame/inverse/solvers.h"
 #include "plenoflame/inverse/suspect.h"
@@ -114,6 +116,10 @@ struct Reconstruction {
   /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
   std::vector<double> resolved;
   double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not asked for
+
+  /// Of temperatures with fewer than kMostChained variables: how the posterior differs from that of
+  /// the linearised problem. Empty: it was not asked.
+  std::optional<PosteriorChain> chain;
 
   std::vector<char> solved;  ///< 0: the unknown was known to be empty
 

@@ -4,16 +4,18 @@
 
 namespace plenoflame {
 
-/// A quantity of a camera that the model takes for known, and that may be wrong.
+/// A quantity that the model takes for known, and that may be wrong: of a camera, or of the flame.
 enum class SuspectKind {
   exposure,     ///< relative to those of the other cameras
   stray_light,  ///< [W] the same in every row
   right,        ///< [m] place of the camera, across its line of sight
   up,           ///< [m] the same upwards
+  forward,      ///< [m] the same along its line of sight
   turn,         ///< [rad] about the line of sight
   /// Relative change of the distance that it is focused on. In the mode `distance` it is that of
   /// the distance from lens to array, by which that is smaller.
   focus,
+  absorption,  ///< relative, everywhere; of no camera
 };
 
 /// A test of such a quantity against the pictures (Rao's score test).

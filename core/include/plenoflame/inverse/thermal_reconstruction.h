@@ -31,6 +31,8 @@ struct ThermalInput {
   std::vector<char> support = {};  ///< as ReconstructionInput's
 };
 
+inline constexpr std::size_t kMostChained = 3000;
+
 struct ThermalSettings {
   /// Rays, penalty, strength, rule, probes and memory; the linear reconstructions that it begins
   /// with take the rest of it.
@@ -53,7 +55,9 @@ struct ThermalReconstruction {
 /// Temperature, and where it is not known the absorption, by Gauss and Newton's method with bounds
 /// on the renderer's own formulas (thermal_model.h): what linear reconstructions begin. The penalty
 /// acts on temperatures and on the logarithms of absorptions, with the same relative strength.
-/// Deviations and resolution are those of the linearised problem, by probing. The strength is
+/// Deviations and resolution are those of the linearised problem, by probing. With fewer than
+/// kMostChained variables a Markov chain tells how much wider the posterior is, and deviations are
+/// larger by that. The strength is
 /// chosen on the problem linearised about an approximate solution, twice: rays are followed some
 /// ten times, however many strengths are tried.
 /// A stop keeps what was reached: temperatures, or the emission of the linear reconstruction.

@@ -1,0 +1,81 @@
+#include "fitted_unknowns.h"
+
+#include <algorithm>
+
+#include "options.h"
+#include "plenoflame/inverse/flame_block.h"
+#include "plenoflame/inverse/light_behind.h"
+
+namespace plenoflame {
+namespace {
+
+bool holds(const Box& box, const Box& other) {
+  constexpr double kMargin = 0.05;
+  const Vec3 margin = kMargin * (other.upper - other.lower);
+  const auto side = [](double lower, double upper, double least, double most, double beyond) {
+    return lower <= least + beyond && upper >= most - beyond;
+  };
+  return side(box.lower.x, box.upper.x, other.lower.x, other.upper.x, margin.x) &&
+         side(box.lower.y, box.upper.y, other.lower.y, other.upper.y, margin.y) &&
+         side(box.lower.z, box.upper.z, other.lower.z, other.upper.z, margin.z);
+}
+
+}  // namespace
+
+bool any_compiled(const ReconstructCameras& cameras) {
+  return std::ranges::any_of(
+      cameras.cameras, [](const ReconstructCamera& camera) { return camera.compiled != nullptr; });
+}
+
+std::vector<CameraView> windowed(std::vector<CameraView> views,
+                                 const std::vector<Measurement>& measurements) {
+  for (std::size_t v = 0; v < views.size(); ++v) views[v].window = measurements[v].window;
+  return views;
+}
+
+std::optional<Box> fitted_block(const UnknownsRequest& request, const ReconstructCameras& cameras,
+                                const std::vector<Measurement>& measurements,
+                                const Execution& execution) {
+  if (!request.fits_block() || any_compiled(cameras)) return {};
+  const std::vector<CameraView> views = windowed(cameras.views(), measurements);
+  for (const CameraView& view : views)
+    if (shines_without_flames(*view.scene)) return {};
+  Box box = block_of(request, cameras.first());
+  if (!box.empty()) {
+    CameraRaySettings how;
+    how.samples = 4;
+    const CameraRays rays = rays_of_form(OperatorForm::automatic, views, box, how, execution);
+    const std::vector<double> outside = light_outside(views, measurements, rays, how.bin);
+    if (std::ranges::all_of(outside, [](double share) { return share <= kLightCut; })) return {};
+  } else if (!request.centre.empty()) {
+    const auto [x, y, z] = point_option("--center", request.centre);
+    box = {{x, y, z}, {x, y, z}};
+  }
+  const Box found = block_of_light(views, measurements, box, execution);
+  // Stray light passes beside every block.
+  if (!box.empty() && holds(box, found)) return {};
+  return found;
+}
+
+FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& cameras,
+                      const std::vector<Measurement>& measurements, const Execution& execution) {
+  const std::unique_ptr<Unknowns> unknowns = unknowns_of(request, cameras.first());
+  const Box box = unknowns->bounds();
+  CameraRaySettings how;
+  how.samples = 4;
+  how.channel = static_cast<int>(cameras.channels[0]);
+  const std::vector<CameraView> views = windowed(cameras.views(), measurements);
+  const CameraRays rays = draw_camera_rays(views, box, how, execution);
+  FlameAxis start;
+  start.base = 0.5 * (box.lower + box.upper);
+  start.direction = {0, 0, 1};
+  if (!request.axis.empty() && !request.fits_axis()) {
+    const auto [x, y, z] = point_option("--axis", request.axis);
+    start.direction = {x, y, z};
+  }
+  MeasuredRows measured = measured_rows(measurements, rays, 1);
+  take_away(light_behind(views, rays, *unknowns, {}, how, execution), measured);
+  return fit_axis(rays, measured, start);
+}
+
+}  // namespace plenoflame
