@@ -21,8 +21,8 @@ INTRODUCTION = """# Benchmarks
 
 This page shows how long a picture takes for a given error. `tools/make_benchmarks.sh` writes it.
 
-- *RMSE*: relative root mean square error over lit pixels (above 1 % of the brightest) of the first channel, against a converged reference
-  with its own seed. The error of the reference is subtracted in quadrature.
+- *RMSE*: relative root mean square error over lit pixels (above 1 % of the brightest) of the first channel. The reference is converged
+  and has its own seed. Its error is subtracted in quadrature.
 - *Samples*: rays per pixel and microlens (backward), energy bundles in total (forward).
 - *Time*: median wall time of the runs, each with another seed.
 - *Gain*: the forward estimator, which is the paper's method, needs this many times longer for the same error. Few bundles arrive in a
@@ -117,8 +117,8 @@ def skipping(folder):
         return []
     largest = max(abs(r["largest_difference_W"]) / r["reference_mean_W"] for run in runs.values() for r in run["difference"])
     lines = ["## Skipping", "",
-             "The table compares renderings with and without `--no-skip`: 1 thread, 16 samples (two numbers: 16 and 256), medians of 3 runs.\n"
-             f"No pixel differs by more than {largest:.1g} of the mean flux ([theory](theory/sampling.md#what-sees-nothing)).", "",
+             "The table compares renderings with and without `--no-skip`, on 1 thread, as medians of 3 runs. The samples are 16 (two numbers: 16\n"
+             f"and 256). No pixel differs by more than {largest:.1g} of the mean flux ([theory](theory/sampling.md#what-sees-nothing)).", "",
              "| what is skipped, in which scene | time [s] | time without [s] | gain |", "|---|---|---|---|"]
 
     def median(name, kind):
@@ -184,7 +184,7 @@ def native(folder):
         return []
     speeds = [statistics.median(run["native"][k] / run["chosen"][k] for k in run["chosen"]) for run in runs.values()]
     return ["\n".join(["## Instruction sets", "",
-                       f"The installed program, which chooses its instruction set at the start, reaches {min(speeds):.2f} to {max(speeds):.2f} of the\n"
+                       f"The installed program chooses its instruction set at the start. It reaches {min(speeds):.2f} to {max(speeds):.2f} of the\n"
                        f"speed of a build with `-march=native` (medians of 3 runs of {len(speeds)} pictures, one thread, {machine()}).\n"
                        "`PARTS=native NATIVE=-march=native tools/make_benchmarks.sh` measures it."]) + "\n"]
 
