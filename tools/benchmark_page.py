@@ -95,7 +95,7 @@ def whole_images(folder):
         return statistics.median(run[key] for run in runs[name])
 
     lines = ["## The paper's flame, whole image", "",
-             f"3000 x 3000 pixels of `examples/paper-flame-1m.toml`, medians of 3 runs on {machine()}. The layers are in closed form or a grid of\n"
+             f"The table shows medians of 3 runs with 3000 x 3000 pixels of `examples/paper-flame-1m.toml` on {machine()}. The layers are in closed form or a grid of\n"
              "0.234 mm voxels (96 x 96 x 264). Compiling the scene (camera and pupils) takes up to "
              f"{max(run['seconds_compile'] for of_name in runs.values() for run in of_name):.2g} s before\n"
              "the first ray and is not part of the time. The paper gives 28 thousand rays/s per thread and 10 hours on 20 threads.", "",
@@ -196,7 +196,7 @@ def compiled(folder):
         return []
     found = json.loads(path.read_text(encoding="ascii"))
     lines = ["## Compiled cameras", "",
-             f"A window of `paper-flame-1m` ({found['window']}) across rims and middle of the flame. Times are processor times of all threads, reading and\n"
+             f"The pictures are a window of `paper-flame-1m` ({found['window']}) across rims and middle of the flame. Times are processor times of all threads, reading and\n"
              "writing included. The reference of the true error has 8192 samples and another seed; its error is subtracted.\n"
              "`tools/compiled_benchmark.py` measures the table.", "",
              "| camera | rays per pixel | s to compile | s per picture | stated error | true error |", "|---|---:|---:|---:|---:|---:|"]
@@ -224,7 +224,7 @@ def memory(folder):
     if not rows:
         return []
     return ["\n".join(["## Memory", "",
-                       "Largest resident memory of `plenoflame render`, the written picture included. It does not grow with the samples.", "",
+                       "The table shows the largest resident memory of `plenoflame render`, including the written picture. It does not grow with the samples.", "",
                        "| what | memory |", "|---|---|"] + [row for *_, row in sorted(rows)]) + "\n"]
 
 
