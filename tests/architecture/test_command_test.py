@@ -52,10 +52,10 @@ class TestCommand(unittest.TestCase):
         done, calls = self.run_tests()
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         tested = [c.split()[2] for c in calls if c.startswith("ctest")]
-        self.assertEqual(tested, ["release", "asan"])
+        self.assertEqual(tested, ["release", "asan", "tsan"])
         self.assertIn("run.sh ", calls)
-        # Format, bare Debian and two builds are one test each; ctest reports seven, twice.
-        self.assertRegex(done.stdout.splitlines()[-1], r"^100% tests passed, 0 tests failed out of 18 \(\d+ min\)$")
+        # Format, bare Debian and three builds are one test each; ctest reports seven, three times.
+        self.assertRegex(done.stdout.splitlines()[-1], r"^100% tests passed, 0 tests failed out of 26 \(\d+ min\)$")
 
     def test_all_builds_file_by_file_and_leaves_nothing_out(self):
         done, calls = self.run_tests("--all")
@@ -83,7 +83,7 @@ class TestCommand(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         said = done.stdout.split("Not run here:\n")[1].split("\n\n")[0].split("\n")
         self.assertEqual({line.strip() for line in said}, {"bare Debian", "cli.mpi", "One.Two", "'no disk'"})
-        self.assertIn(" out of 17 ", done.stdout.splitlines()[-1])
+        self.assertIn(" out of 25 ", done.stdout.splitlines()[-1])
 
 
 class PresetsTest(unittest.TestCase):
