@@ -214,7 +214,7 @@ def cell_of(figures):
 def page_of(results):
     keys = sorted({key for of_device in results.values() for key in of_device},
                   key=lambda key: (list(SCENES).index(key.split()[0]), int(key.split()[1])))
-    text = f"{GAIN}\n\nQuotient without the optimisation over with it. In brackets: the quotient of the times alone, if it differs.\nThe last column has the lines of code.\n\n"
+    text = f"{GAIN}\n\nEach number is error^2 x time without the optimisation, divided by the same with it. In brackets: the ratio of the times, if it differs.\nThe last column has the lines of code.\n\n"
     text += "| optimisation | " + " | ".join(f"{key.split()[0]}, {key.split()[1]}" for key in keys) + " | lines |\n"
     text += "|---" * (len(keys) + 2) + "|\n"
     for device in DEVICES:

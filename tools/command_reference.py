@@ -23,7 +23,7 @@ INTRODUCTION = """# Commands
 <!-- Generated from the help texts by tools/command_reference.py; edit those. -->
 
 This page has all commands and options. `--help` prints those of one command, `plenoflame --version` the version. A default
-stands in parentheses.
+stands in parentheses. `SCENE` is a scene file (.toml), `RAW` a light field (.exr) written by `render`.
 
 - Exit status: 0 on success, 1 for an error in a file or of the machine, 2 for an error in the command line.
 - An error is one line on standard error. It begins with `plenoflame: error:`.
@@ -39,7 +39,8 @@ ALIKE = (
     ("Camera of the scene ([[cameras]]); may be repeated for render, sweep, operator and reconstruct; the other commands need it "
      "if the scene has several",
      ("Use only this camera of the scene ([[cameras]]); may be repeated",
-      "Name of the scene's camera ([[cameras]]); needed if the scene has several")),
+      "Name of the scene's camera ([[cameras]]); needed if the scene has several",
+      "With --scene: name of the camera, if the scene has several")),
     ("Make only part K of N, in OUT-part-K-of-N.exr (sweep: DIR-part-K-of-N; operator: rows, .npz or .h5); 'plenoflame merge' "
      "joins them to exactly the whole; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array",
      ("Render only part K of N, into OUT-part-K-of-N.exr; 'plenoflame merge' joins them to exactly the whole picture; 'auto/N' "
@@ -66,17 +67,32 @@ ALIKE = (
     ("All rays of N different pixels drawn at random",
      ("All rays of N different pixels drawn at random", "Draw the rays of N pixels drawn at random")),
     ("The chief ray of every microlens", ("The chief ray of every microlens", "Draw the chief ray of every microlens")),
+    ("No progress and no notes; warnings remain", ("No progress on the terminal",)),
+    ("Write the pictures as EXR as well", ("Write the views as EXR as well", "Write radiances as EXR as well")),
+    ("Dark frames of the same exposure; calibrate radiometry: TIME=FILE, those of this exposure; import: NAME=FILE, here and in the "
+     "options below, of this channel alone",
+     ("Dark frames of the same exposure; NAME=FILE: of that channel alone, as in the options below",
+      "Dark frames of the same exposure", "Dark frames; TIME=FILE: of that exposure")),
+    ("Flat field: the bare sensor, evenly lit", ("Flat field: the bare sensor, evenly lit, as in import",)),
+    ("Dark frames of this picture (those of --dark)",
+     ("Its dark frames (those of --dark)", "Dark frames of the white picture (those of --dark)")),
+    ("Seed of the rays (default: the scene's)", ("Seed (default: the scene's)",)),
     ("Length of its sides, \"40 mm, 40 mm, 60 mm\"; without it, those of the scene's flames",
      ("Its sides, \"40 mm, 40 mm, 60 mm\"; without it, those of the scene's flames",)),
 )
 
+# Arguments whose meaning the introduction tells.
+PLAIN = {"SCENE": "Scene file (.toml)", "RAW": "Light field (.exr) written by render"}
+
 # Shared options: the headings under which they stand, in this order. All others are explained in each command.
 GROUPS = {
     "Common options": ("--set KEY=VALUE", "--camera NAME", "--which NAME", "--frame N", "--time TIME", "--window X,Y,W,H",
-                       "--part K/N", "--compiled FILE.bundle", "--threads N", "--quiet", "--json"),
+                       "--part K/N", "--compiled FILE.bundle", "--seed N", "--threads N", "--quiet", "--json"),
     "Choice of rays": ("--pixel X,Y", "--microlens Q,R", "--point X,Y,Z", "--random N", "--chief"),
-    "Raw files of a camera": ("--size WxH", "--bits N", "--endian ORDER", "--skip N", "--shift N", "--turn DEGREES", "--mirror"),
-    "Views and channels": ("--channel NAME", "--scene SCENE.toml", "--spread S", "--resampling NAME", "--force"),
+    "Raw files of a camera": ("--size WxH", "--bits N", "--endian ORDER", "--skip N", "--shift N", "--turn DEGREES", "--mirror",
+                              "--dark FILE ...", "--flat FILE ...", "--flat-dark FILE ...", "--white-dark FILE ...",
+                              "--camera CAMERA.toml"),
+    "Views and channels": ("--channel NAME", "--scene SCENE.toml", "--spread S", "--resampling NAME", "--force", "--exr"),
     "Unknowns and rows": ("--unknowns KIND", "--grid N[,N,N]", "--center X,Y,Z", "--size X,Y,Z", "--axis X,Y,Z", "--basis KIND",
                           "--absorption WHICH", "--rays N", "--bin N|micro-image|view", "--cells N", "--compiled FILE.bundle ..."),
 }
@@ -128,6 +144,9 @@ def arguments(each):
     forms = {re.sub(r"\W", "", word): word for word in each.usage.split()}
     for entry in each.sections.get("Positionals", []):
         # Choices with meanings, in columns: "Which flame: layered    three ellipsoids candle     ..."
+        if PLAIN.get(entry.words) == entry.meaning:
+            yield f"  {forms.get(entry.words, entry.words)}"
+            continue
         meaning, *choices = re.split(r" (\w+)   *", entry.meaning)
         meaning += " " * bool(choices) + "; ".join(f"{word} ({text})" for word, text in zip(choices[::2], choices[1::2]))
         yield lines_of(forms.get(entry.words, entry.words), meaning)
@@ -137,10 +156,11 @@ def links(named, shared):
     """A link to each group, with the options of it that the command has."""
     for group in GROUPS:
         members = [key for key in shared if shared[key] == group]
-        names = [f"`{name_of(command_help.Entry(*key))}`" for key in members if key in named]
-        if names:
-            all_of_them = len(names) == len(members)
-            yield f"[{group}](#{anchor(group)}): {'all' if all_of_them else ', '.join(names)}"
+        has, lacks = ([f"`{name_of(command_help.Entry(*key))}`" for key in members if (key in named) == wanted]
+                      for wanted in (True, False))
+        if has:
+            text = ", ".join(has) if len(lacks) > 2 else "all but " + ", ".join(lacks) if lacks else "all"
+            yield f"[{group}](#{anchor(group)}): {text}"
 
 
 def section(each, shared):

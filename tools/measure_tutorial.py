@@ -4,7 +4,7 @@
     tools/measure_tutorial.py [COMMAND] [--keep FOLDER] [--write]
 
 COMMAND: the program plenoflame (build/release/app/cli/plenoflame, else the one in PATH). --keep FOLDER leaves there what the
-tutorial makes; --write puts the times into the tutorial's table, between its marks. Steps in which only a person acts are
+tutorial makes; --write puts the times into the tutorial, between its marks. Steps in which only a person acts are
 left out. Wall time depends on what else the machine does; processor time hardly.
 """
 
@@ -67,8 +67,14 @@ def table(rows):
     lines = ["| step | time | processor time |", "|---|---|---|"]
     lines += [f"| {title} | {seconds(wall)} | {seconds(used)} |" for title, wall, used in rows]
     lines.append(f"| all | {seconds(sum(row[1] for row in rows))} | {seconds(sum(row[2] for row in rows))} |")
-    note = f"Measured with {os.cpu_count()} processors ({processor()}); windows and reading not counted."
-    return "\n".join(lines) + f"\n\n{note}\n"
+    return "\n".join(lines) + "\n"
+
+
+def sentence(rows):
+    """What the tutorial says of its times."""
+    step, longest, _ = max(rows, key=lambda row: row[1])
+    return (f"The commands take {seconds(sum(row[1] for row in rows))} ({seconds(sum(row[2] for row in rows))} of the processor), of which "
+            f"{seconds(longest)} for step {step.split('.')[0]}, on {os.cpu_count()} processors ({processor()}).\n")
 
 
 def main():
@@ -84,12 +90,12 @@ def main():
         folder = pathlib.Path(options.keep or temporary)
         folder.mkdir(parents=True, exist_ok=True)
         shutil.copytree(ROOT / "examples", folder / "examples", dirs_exist_ok=True)
-        text = table(measure(pathlib.Path(options.command).resolve(), folder))
-    print(text, end="")
+        rows = measure(pathlib.Path(options.command).resolve(), folder)
+    print(table(rows), end="")
     if options.write:
         page = PAGE.read_text()
         begin, end = page.index(BEGIN) + len(BEGIN), page.index(END)
-        PAGE.write_text(page[:begin] + text + page[end:])
+        PAGE.write_text(page[:begin] + sentence(rows) + page[end:])
 
 
 if __name__ == "__main__":

@@ -26,10 +26,9 @@ HEAD = """# Numerical accuracy
 This page shows the largest errors of the formulas for extreme values, and how often the stated error of a picture holds.
 `ninja -C build/release numerics` makes it from the stress suite (`tests/stress`). The tests fail if an error exceeds its bound.
 
-- Each error is the largest of all cases and of all instruction sets that the processor has.
-- A reference shares no code with the formula that it tests.
-- The unit of an error stands in brackets. "ulp" is one unit in the last place of the exact value.
-- Rows with two numbers have single precision first, then double precision.
+Each error is the largest of all cases and instruction sets. A reference shares no code with the formula that it tests. The unit of an
+error stands in brackets; "ulp" is one unit in the last place of the exact value. Rows with two numbers have single precision first, then
+double precision.
 """
 
 
@@ -40,10 +39,9 @@ The flame fills a cube of 16 mm. Its temperature varies around 1500 K by 300 K (
 rays cross it; the source function is sigma T^4.
 
 - *Quadrature* (full lines): error of two nodes per cell, against adaptive quadrature of the same trilinear fields. It is of fourth order.
-- *Grid* (broken lines): error against the smooth flame, by Runge-Kutta integration of the transfer equation. It is the error of trilinear
-  interpolation, of second order.
+- *Grid* (broken lines): error of trilinear interpolation, against the smooth flame. It is of second order, and limits the accuracy.
 
-The spacing limits the accuracy of a grid; the error of the integration is much smaller. Grey lines have the exact slopes.
+Grey lines have the exact slopes.
 
 ![Relative error against spacing](images/voxel-order.png)
 
@@ -54,9 +52,9 @@ BOUNDS_TITLE = "\n## How often the stated limit of the error holds\n"
 
 BOUNDS = BOUNDS_TITLE + """
 The true relative RMSE of a picture shall lie below the stated 95 % limit ([errors](theory/errors.md)). The table has the share of pictures
-for which this holds. Each picture has its own seed and is compared with one of 64 times the samples, in the brightest window. Shares have
-standard errors of at most MOST %, from LEAST or more pictures for each example. Examples whose pictures would take longer than SECONDS
-in total are left out. `write_numerics.py --bounds` (`tests/stress`) makes the table.
+for which it does. The true error is the difference from a picture of 64 times the samples, in the brightest window. Each example has LEAST
+or more pictures with their own seeds, so shares have standard errors of at most MOST %. Examples that take longer than SECONDS are left out.
+`write_numerics.py --bounds` (`tests/stress`) makes the table.
 
 | window [pixels] | samples | replicates | examples | lowest share | median share | limit over true error, median |
 |---|---|---|---|---|---|---|
