@@ -20,7 +20,6 @@ CAMERA = """
 preset = "paper-plenoptic2"
 position = ["{x} m", "{y} m", "0 m"]
 look_direction = [{lx}, {ly}, 0]
-{extra}
 [camera.array]
 pitch = "1 mm"
 diameter = "1 mm"
@@ -71,12 +70,10 @@ position = ["{x} m", "{y} m", "0 m"]
 rotation = ["0 deg", "90 deg", "{turn} deg"]
 thickness = "3 mm"
 diameter = "120 mm"
-glass = "N-BK7"
-fresnel = true
+{kind}
 """
-FILTER = """[camera.transmission]
-filter = "400 nm 0.95, 900 nm 0.95"
-"""
+GLASS = 'glass = "N-BK7"\nfresnel = true'
+GREY = 'index = 1\nabsorption = "17.1 1/m"'  # takes 5 %
 # What a report may name for each thing that is wrong.
 NAMES = {"nothing": set(), "shift": {"right"}, "exposure": {"exposure"}, "focus": {"focus", "forward"},
          "block": {"block"}, "glass": {"exposure", "forward"}}
@@ -87,9 +84,10 @@ def scene(angle, wrong=None):
     right = (look[1], -look[0])
     aside = 0.5e-3 if wrong == "shift" else 0
     place = (1 - look[0] + aside * right[0], -look[1] + aside * right[1])
-    pane = {"x": place[0] + 0.3 * look[0], "y": place[1] + 0.3 * look[1], "turn": math.degrees(angle)}
+    pane = {"x": place[0] + 0.3 * look[0], "y": place[1] + 0.3 * look[1], "turn": math.degrees(angle),
+            "kind": GLASS if wrong == "glass" else GREY}
     return CAMERA.format(x=place[0], y=place[1], lx=look[0], ly=look[1], focus=1.01 if wrong == "focus" else 1,
-                         extra=FILTER if wrong == "exposure" else "", windows=WINDOW.format(**pane) if wrong == "glass" else "")
+                         windows=WINDOW.format(**pane) if wrong in ("glass", "exposure") else "")
 
 
 def trial(command, folder, wrong, seed, threads):
@@ -115,14 +113,15 @@ def trial(command, folder, wrong, seed, threads):
         run("develop", f"light{k}.exr", "--sensor", "--noise-seed", str(10 * seed + k), "-o", f"picture{k}.exr")
         pictures.append(f"picture{k}.exr")
         scenes.append(f"camera{k}.toml")
-    block = ("--size", "7 mm, 7 mm, 22 mm") if wrong == "block" else ()
+    block = ("--size", "5 mm, 5 mm, 12 mm") if wrong == "block" else ()
     run("reconstruct", *scenes, "--images", *pictures, "--grid", "20", "--rays", "32", "--draws", "2", "--probes", "4",
         "--absorption", "scene", "--threads", threads, "-o", "found.vdb", "--report", "found.json", *block)
     found = json.loads((folder / "found.json").read_text())
     named = [(s["quantity"], s.get("camera"), s["estimate"], s["deviation"]) for s in found["suspects"] if s["named"]]
     if max(found["light_outside"], default=0) > 0.01:
         named.insert(0, ("block", None, max(found["light_outside"]), 0))
-    own = [n for n in named if n[0] in NAMES[wrong] and (n[1] is None or n[1] == scenes[spoilt])]
+    # Three cameras do not tell which one stands aside, and the report says so.
+    own = [n for n in named if n[0] in NAMES[wrong] and (n[1] in (None, scenes[spoilt]) or n[0] == "right")]
     return named, bool(own) if NAMES[wrong] else not named
 
 

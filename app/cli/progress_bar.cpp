@@ -85,16 +85,30 @@ void ProgressBar::begin(const std::string& label) {
   const std::lock_guard lock(mutex_);
   label_ = label;
   last_ = {};
+  begun_ = std::chrono::steady_clock::now();
+}
+
+/// [s] negative: not known yet.
+double ProgressBar::remaining(double fraction, std::chrono::steady_clock::time_point now) {
+  constexpr double kLeastShare = 0.05, kLeastSeconds = 1;
+  if (fraction < fraction_) begun_ = now;
+  fraction_ = fraction;
+  const double taken = std::chrono::duration<double>(now - begun_).count();
+  if (fraction < kLeastShare || taken < kLeastSeconds) return -1;
+  return taken * (1 - fraction) / fraction;
 }
 
 void ProgressBar::update(const Progress& progress) {
   if (!drawing_) return;
   const std::lock_guard lock(mutex_);
   const auto now = std::chrono::steady_clock::now();
+  Progress told = progress;
+  const double by_share = remaining(progress.fraction, now);
+  if (told.remaining_seconds < 0) told.remaining_seconds = by_share;
   if (visible_ && progress.fraction < 1 && now - last_ < std::chrono::milliseconds(100)) return;
   last_ = now;
   // One column is left free: some terminals wrap when the last one is used.
-  stream_ << '\r' << progress_line(progress, columns_ - 1, label_) << "\x1b[K" << std::flush;
+  stream_ << '\r' << progress_line(told, columns_ - 1, label_) << "\x1b[K" << std::flush;
   visible_ = true;
 }
 

@@ -16,7 +16,8 @@ std::string format_duration(double seconds);
 /// @param label of what is under way, before all else; empty: none
 std::string progress_line(const Progress& progress, int columns, const std::string& label = "");
 
-/// Progress and messages of a run on one stream. The progress line is drawn only on a terminal and
+/// Progress and messages of a run on one stream. Work that does not tell its remaining time gets
+/// one by the time that its share has taken. The progress line is drawn only on a terminal and
 /// never more often than ten times per second; messages ("plenoflame: warning: ...") always appear,
 /// on lines of their own. Safe to call from several threads.
 class ProgressBar {
@@ -41,6 +42,7 @@ class ProgressBar {
 
  private:
   void clear();
+  double remaining(double fraction, std::chrono::steady_clock::time_point now);
 
   std::ostream& stream_;
   bool drawing_;
@@ -48,7 +50,8 @@ class ProgressBar {
   int columns_;
   bool visible_ = false;
   std::string label_;
-  std::chrono::steady_clock::time_point last_{};
+  std::chrono::steady_clock::time_point last_{}, begun_ = std::chrono::steady_clock::now();
+  double fraction_ = 0;  ///< of the last update: less than that is another part
   std::mutex mutex_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <sstream>
 #include <thread>
 
@@ -73,6 +74,21 @@ TEST(ProgressBar, MessagesGetLinesOfTheirOwnAndNothingRemains) {
             "\r\x1b[Kplenoflame: warning: careful\n"
             "\r 75 % [##################......]\x1b[K"
             "\r\x1b[K");
+}
+
+TEST(ProgressBar, TellsTheTimeThatIsLeftByTheShareThatIsDone) {
+  std::ostringstream stream;
+  ProgressBar bar(stream, true, false, 80);
+  bar.update({0.5, 0, 0, -1, -1});
+  EXPECT_EQ(stream.str().find("left"), std::string::npos);  // nobody knows yet
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  bar.update({0.5, 0, 0, -1, -1});
+  EXPECT_NE(stream.str().find(" left"), std::string::npos) << stream.str();
+  // Another part of the work begins.
+  stream.str("");
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  bar.update({0.1, 0, 0, -1, -1});
+  EXPECT_EQ(stream.str().find("left"), std::string::npos);
 }
 
 TEST(ProgressBar, DrawsSeldom) {

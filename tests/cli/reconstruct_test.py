@@ -474,9 +474,50 @@ class Reconstruct(CommandTest):
         self.assertFalse([one for one in again["suspects"] if one["named"] and one["quantity"] == "right"])
         self.assertLess(abs(again["chi_squared"] / refined["chi_squared"] - 1), 0.02)
 
+    def test_refine_moves_the_axis_of_rings(self):
+        run = ("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr", *self.REFINE)
+        found, _ = self.reconstruct(*run, "--refine", "axis", "-o", "moved.vdb")
+        self.assertAlmostEqual(found["axis"]["point"][1], 0.5e-3, delta=0.05e-3)
+        self.assertFalse([one for one in found["suspects"] if one["named"] and one["quantity"] == "right"])
+
+    def test_cameras_are_tested_with_temperatures(self):
+        found, warnings = self.reconstruct("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr",
+                                           *self.REFINE, "--absorption", "scene", "--find", "temperature", "-o", "hot.vdb")
+        named = {one["quantity"]: one["estimate"] for one in found["suspects"] if one["named"]}
+        self.assertAlmostEqual(named["right"], 0.5e-3, delta=0.1e-3)
+        self.assertIn("The axis is", warnings)
+        # The temperature is nearly linear in the light.
+        self.assertAlmostEqual(found["chain_width"], 1, delta=0.2)
+        self.assertGreater(found["chain_accepted"], 0.5)
+
+    # The candle of the pictures shines from -5.4 mm to 5.4 mm around (1 m, 0), and from -15.8 mm to 15.8 mm.
+    def test_the_block_is_found_by_the_pictures(self):
+        for name in ("front", "side"):
+            text = self.read(f"{name}.toml").decode()
+            begin = text.index("[[flames]]")
+            with open(self.path(f"{name}-alone.toml"), "w", encoding="utf-8") as file:
+                file.write(text[:begin] + text[text.index("[[channels]]", begin):])
+        run = ("front-alone.toml", "side-alone.toml", "--images", "front-electrons.exr", "side-electrons.exr", "--grid", "8", "--rays", "8",
+               "--draws", "0", "--probes", "0", "--quiet")
+        found, _ = self.reconstruct(*run, "-o", "found.vdb")
+        self.assertLess(max(found["light_outside"]), 0.01)
+        for axis, (middle, half) in enumerate(((1, 5.4e-3), (0, 5.4e-3), (0, 15.8e-3))):
+            center, size = found["block"]["center"][axis], found["block"]["size"][axis]
+            self.assertLess(center - size / 2, middle - 0.97 * half)
+            self.assertGreater(center + size / 2, middle + 0.97 * half)
+            self.assertLess(size, 3 * half)
+        # The axis of rings is fitted with the block.
+        rings, _ = self.reconstruct("front-alone.toml", "--images", "front-electrons.exr", *self.REFINE, "-o", "rings.vdb")
+        self.assertAlmostEqual(rings["axis"]["point"][1], 0, delta=0.05e-3)
+        # A block that was asked for is taken, and the one that holds the flame is told.
+        cut, warnings = self.reconstruct(*run, "--center", "1 m, 0 m, 0 m", "--size", "8 mm, 8 mm, 16 mm", "-o", "cut.vdb")
+        self.assertNotIn("block", cut)
+        self.assertRegex(cut["verdict"] + warnings, "The block cuts the flame: .* A block about 1 m, .* of the size 1[0-9.]* mm, ")
+
     def test_refine_refuses_what_it_cannot_do(self):
         run = ("reconstruct", "front.toml", "--images", "front-electrons.exr", *self.REFINE, "-o", "x.vdb", "--quiet")
-        self.fails(2, *run, "--refine", "axis", mentions=["--refine", "exposure", "pose", "focus"])
+        self.fails(2, *run, "--refine", "lens", mentions=["--refine", "exposure", "pose", "focus", "axis"])
+        self.fails(2, *run[:4], "--grid", "4", "-o", "x.vdb", "--refine", "axis", mentions=["--refine axis", "voxels"])
         self.fails(2, *run, "--refine", "pose", "--solver", "tv", "--strength", "1", mentions=["--refine", "tv"])
         self.fails(2, *run, "--refined", "y.toml", mentions=["--refined", "--refine"])
         self.fails(2, *run, "--refine", "pose", "--refined", "y.toml", "z.toml", mentions=["2 files for 1 scenes"])

@@ -152,7 +152,8 @@ struct FamilyTrial {
   std::uint64_t seed = 1;
   /// [1/m] known and the same everywhere; above 0 temperatures follow.
   double absorption = 0;
-  /// Wrong in the first camera of the model, by so much.
+  /// Wrong in the first camera of the model, or in the absorption that it takes for known, by so
+  /// much.
   SuspectKind wrong = SuspectKind::exposure;
   double by = 0;
 };
@@ -314,6 +315,8 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
   }
   displaced.emplace(displaced_scene(scenes[0], trial.wrong, -trial.by));
   input.views[0].scene = &*displaced;
+  if (trial.wrong == SuspectKind::absorption)
+    for (double& value : input.absorption) value /= 1 + trial.by;
   if (trial.wrong == SuspectKind::exposure)
     for (float& value : input.measurements[0].flux.pixels)
       value *= static_cast<float>(1 + trial.by);

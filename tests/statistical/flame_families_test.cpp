@@ -6,6 +6,8 @@
 
 #include <cstdio>
 
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/flame_block.h"
 #include "plenoflame/inverse/refine.h"
 #include "support/approx.h"
 #include "support/length.h"
@@ -146,17 +148,109 @@ TEST(ModelTest, NamesWhatIsWrong) {
   const auto expect_named = [&](SuspectKind kind, double by) {
     trial.wrong = kind;
     trial.by = by;
+    SCOPED_TRACE(static_cast<int>(kind));
     const std::vector<Suspect> suspects = reconstruct_family(trial, settings).suspects;
     ASSERT_FALSE(suspects.empty());
-    EXPECT_TRUE(suspects[0].named);
+    EXPECT_TRUE(suspects[0].named) << suspects[0].significance();
     EXPECT_EQ(suspects[0].kind, kind);
     EXPECT_TRUE(kind != SuspectKind::exposure || suspects[0].view == 0);
     EXPECT_TRUE(relative(suspects[0].estimate, by, 0.2));
   };
   expect_named(SuspectKind::exposure, 0.05);
   expect_named(SuspectKind::right, 0.5e-3);
+  expect_named(SuspectKind::turn, 0.05);
+  expect_named(SuspectKind::focus, 0.01);
   trial = {Family::candle, true, 1, 8000, 8, 0};
   expect_named(SuspectKind::right, 0.5e-3);
+  trial = {Family::blobs, false, 3, 8000, 8, 100};
+  expect_named(SuspectKind::absorption, 0.3);
+}
+
+/// Pictures of a flame by sharp cameras around it, with the noise of a sensor.
+struct SharpPictures {
+  std::vector<CompiledScene> scenes;
+  std::vector<CameraView> views;
+  std::vector<Measurement> measurements;
+
+  SharpPictures(const Flame& flame, int cameras) {
+    const GlowingGrid grid = fine_grid({}, flame, 0.3e-3, 0.3e-3);
+    const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
+    for (int n = 0; n < cameras; ++n) {
+      const double turn = n * std::numbers::pi / std::max(cameras, 2);
+      ArraySpec none;
+      none.present = false;
+      Scene scene = small_scene(singlet(), none);
+      scene.camera.sensor = {80, 120, 30e-6};
+      scene.camera.position = {1 - std::cos(turn), -std::sin(turn), 0};
+      scene.camera.look_direction = {std::cos(turn), std::sin(turn), 0};
+      scene.flames = {glowing_flame(channel.wavelength)};
+      scene.channels = {channel};
+      scenes.push_back(compile(scene, glowing_loader(grid)));
+    }
+    RenderSettings how;
+    how.samples = 32;
+    for (const CompiledScene& scene : scenes) {
+      const RenderResult picture = render(scene, how);
+      const LightFieldChannel& light = picture.light_field.channels[0];
+      const double brightest = static_cast<double>(std::ranges::max(light.flux.pixels));
+      measurements.push_back(frame_of(light, brightest / 8000, 7 + measurements.size()));
+      views.push_back({&scene, {}});
+    }
+  }
+};
+
+// The block holds 99 % of the flame's light, and is not much larger than the places that are
+// brighter than a fiftieth of the brightest. Nobody tells where the flame is.
+TEST(FlameBlock, HoldsTheLightOfThePictures) {
+  for (const int cameras : {1, 2, 3}) {
+    const Flame flame = draw_flame(Family::blobs, cameras == 1, 11);
+    const SharpPictures pictures(flame, cameras);
+    const Box box = block_of_light(pictures.views, pictures.measurements, {});
+    Box lit{{2, 1, 1}, {0, -1, -1}};
+    constexpr int kSteps = 40;
+    double brightest = 0, all = 0, held = 0;
+    for (const bool known : {false, true})
+      for (int n = 0; n < kSteps * kSteps * kSteps; ++n) {
+        const auto along = [&](int k) { return 2 * (k % kSteps + 0.5) / kSteps - 1; };
+        const Vec3 p{along(n), along(n / kSteps), along(n / kSteps / kSteps)};
+        const Vec3 at{1 + kFlameRadius * p.x, kFlameRadius * p.y, kFlameHalfHeight * p.z};
+        const double light = flame(p);
+        brightest = std::max(brightest, light);
+        if (!known) continue;
+        all += light;
+        if (at.x > box.lower.x && at.y > box.lower.y && at.z > box.lower.z && at.x < box.upper.x &&
+            at.y < box.upper.y && at.z < box.upper.z)
+          held += light;
+        if (light < 0.02 * brightest) continue;
+        lit.lower = {std::min(lit.lower.x, at.x), std::min(lit.lower.y, at.y),
+                     std::min(lit.lower.z, at.z)};
+        lit.upper = {std::max(lit.upper.x, at.x), std::max(lit.upper.y, at.y),
+                     std::max(lit.upper.z, at.z)};
+      }
+    EXPECT_GT(held, 0.99 * all);
+    const Vec3 size = box.upper - box.lower, needed = lit.upper - lit.lower;
+    EXPECT_LT(size.x, 1.6 * needed.x);
+    EXPECT_LT(size.y, 1.6 * needed.y);
+    EXPECT_LT(size.z, 1.6 * needed.z);
+  }
+}
+
+TEST(FlameBlock, RefusesPicturesWithoutLightInCommon) {
+  SharpPictures pictures(draw_flame(Family::candle, true, 12), 2);
+  const auto block = [&] { return block_of_light(pictures.views, pictures.measurements, {}); };
+  Image& first = pictures.measurements[0].flux;
+  Image& second = pictures.measurements[1].flux;
+  const Image kept = first;
+  // The upper quarter is lit in one picture, the lower one in the other.
+  for (int y = 0; y < first.height; ++y)
+    for (int x = 0; x < first.width; ++x) {
+      first.at(x, y) = y > 5 && 4 * y < first.height ? 1 : 0;
+      second.at(x, y) = y < first.height - 5 && 4 * y > 3 * first.height ? 1 : 0;
+    }
+  EXPECT_THROW(block(), InputError);
+  first = kept;
+  std::ranges::fill(second.pixels, 0.0F);
+  EXPECT_THROW(block(), InputError);
 }
 
 // Four cameras: one that is 5 % too bright, or stands 0.5 mm aside, is found by its error, and

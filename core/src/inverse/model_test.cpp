@@ -87,7 +87,12 @@ class ScoreTests {
   /// Share of the misfit beyond noise. Less of it may be explained by chance: the grid's misfit is
   /// shared by many pixels and is no noise.
   static constexpr double kLeastExplained = 0.1;
+  /// Standard deviations that the grid's misfit does not reach by chance.
+  static constexpr double kSure = 20;
 
+  /// A camera that stands nearer looks much like one that is focused farther: that is named unless
+  /// the place explains more by this factor.
+  static constexpr double kForward = 0.8;
   /// Relative change of the pictures. A grid, and rays that are finite in number, look like smaller
   /// faults of a camera.
   static constexpr double kLeastChange = 0.01;
@@ -131,10 +136,13 @@ class ScoreTests {
         known -= share.dot(with);
       }
       if (!(known > kLeastLeft * information(j, j))) continue;
-      if (left * left / known < kLeastExplained * beyond_noise) continue;
+      const bool sure = std::fabs(left) > kSure * factor * std::sqrt(known);
+      if (!sure && left * left / known < kLeastExplained * beyond_noise) continue;
       const double change = effects_[static_cast<std::size_t>(j)] * std::fabs(left) / known;
       if (!(change > kLeastChange)) continue;
-      const double significance = std::fabs(left) / (factor * std::sqrt(known));
+      double significance = std::fabs(left) / (factor * std::sqrt(known));
+      if (suspects_[static_cast<std::size_t>(j)].kind == SuspectKind::forward)
+        significance *= kForward;
       if (significance > most) most = significance, best = j;
     }
     return best;

@@ -1,6 +1,9 @@
 #include "plenoflame/inverse/reconstruction.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -33,13 +36,16 @@ namespace {
 /// Shares of the work, for progress, at which the rays are drawn, the strength is chosen and the
 /// solution is found; the deviations take the rest. Where the model is tested all of that is a
 /// share of the whole.
-constexpr double kDrawingShare = 0.1, kChosen = 0.6, kSolved = 0.8, kUntested = 0.6;
+constexpr double kDrawingShare = 0.05, kChosen = 0.4, kSolved = 0.45, kUntested = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;
 /// Strength of a first guess: enough that what no pixel tells does not run away.
 constexpr double kGuessStrength = 1e-5;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
+/// Time of the whole over that of the first guess, within a factor of 2, and the least that is
+/// told.
+constexpr double kTimesGuess = 100, kLongRun = 60;
 
 /// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
 class Watch {
@@ -465,11 +471,16 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     ReconstructionSettings plain = settings;
     plain.solver = ReconstructionSolver::fista;
     const ScaledProblem first(stored, *a, weight, scale, *input.unknowns, plain);
+    const auto begun = std::chrono::steady_clock::now();
     SolverOptions options;
     options.iterations = 40;
     options.relative_change = 1e-3;
     guess = first.samples(first.solve(b, kGuessStrength, {}, options, watch.inner()).x);
     if (reached.empty()) reached = guess;
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
+    if (settings.draws > 0 && kTimesGuess * took.count() > kLongRun)
+      execution.note(
+          fmt::format("this will take about {:.0f} min", kTimesGuess * took.count() / 60));
     if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
     weight = row_weights(measured, image_of(guess), result.rays_error);
   }

@@ -14,8 +14,10 @@
 namespace plenoflame {
 namespace {
 
-/// Standard deviations above which light is no noise.
-constexpr double kAboveNoise = 5;
+/// Standard deviations above which light beside a block, and at the edge of the flame, is no noise.
+constexpr double kAboveNoise = 5, kEdge = 4;
+/// Share of the light beyond a side: four sides of several views are less than kLightCut.
+constexpr double kCutAway = 0.15 * kLightCut;
 /// Rows of a view, about: blocks of pixels are put together until there are no more.
 constexpr double kRows = 250000;
 /// Share of the light's block that is added on each side: emission ends within.
@@ -96,7 +98,7 @@ double background(const std::vector<LitRow>& rows) {
   return least;
 }
 
-/// The interval of a coordinate that holds the light but for a quarter of kLightCut on either side.
+/// The interval of a coordinate that holds the light but for kCutAway on either side.
 std::pair<double, double> lit_interval(std::vector<LitRow> rows, double Vec2::*coordinate) {
   std::ranges::sort(rows, {}, [&](const LitRow& row) { return row.at.*coordinate; });
   double all = 0;
@@ -106,8 +108,7 @@ std::pair<double, double> lit_interval(std::vector<LitRow> rows, double Vec2::*c
     for (auto row = begin; row != end; ++row) {
       flux += row->flux;
       variance += row->variance;
-      if (flux > 0.25 * kLightCut * all && flux > kAboveNoise * std::sqrt(variance))
-        return row->at.*coordinate;
+      if (flux > kCutAway * all && flux > kEdge * std::sqrt(variance)) return row->at.*coordinate;
     }
     throw InputError("no light of a picture is above its noise: there is no flame to be found");
   };
