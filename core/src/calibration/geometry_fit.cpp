@@ -140,7 +140,8 @@ int GeometryFit::loosen(double Looseness::*which, double start, const Execution&
   }
   // Values that are noise leave less by their count, give or take its deviation.
   const double gain = (cost - cost_) / noise2_;
-  if (gain > effective_ + 3 * std::sqrt(2 * effective_)) return steps;
+  const double count = effective_.*which;
+  if (gain > count + 3 * std::sqrt(2 * count)) return steps;
   looseness_ = held;
   put(before);
   update_noise();
@@ -172,7 +173,7 @@ double GeometryFit::update_looseness() {
   };
   update(looseness_.outwards, outwards);
   update(looseness_.board, board);
-  effective_ = outwards.effective + board.effective;
+  effective_ = {outwards.effective, board.effective};
   return change;
 }
 
@@ -308,14 +309,13 @@ std::vector<FittedPoint> GeometryFit::fitted_points() {
       })(Vec2{place.x, place.y} - camera.foot());
       return;
     }
-    const Vec2 from_middle = place_of(camera, i) - middle_of(camera, point.lens),
+    const Vec2 from_middle = place_of(camera, i, s) - middle_of(camera, point.lens),
                size = spec_.sensor.pixel();
     point.offset = {-from_middle.x / size.x, -from_middle.y / size.y};
     if (is_told) return;
-    const Vec3 corner = in_camera(i);
     point.by_pupil = to_pixels(camera, s, [&](Vec2 at) {
-      return seen_line(camera, lenses_[i], at).at(corner.z);
-    })((1 / step) * (corner_miss(with_pitch, i, corner) - corner_miss(camera, i, corner)));
+      return seen_line(camera, lenses_[i], at).at(in_camera(i).z);
+    })((1 / step) * (corner_miss(with_pitch, i, s) - corner_miss(camera, i, s)));
   });
   return points;
 }
@@ -361,17 +361,23 @@ Vec2 GeometryFit::middle_of(const Camera& camera, LensIndex lens) const {
   return camera.foot() + grow * (Vec2{place.x, place.y} - camera.foot());
 }
 
-/// The sensor point at which a corner would be found without its displacement outwards.
-Vec2 GeometryFit::place_of(const Camera& camera, std::size_t i) const {
-  const Vec2 pixel = seen_->corners[i].pixel, s = camera.sensor_point(pixel.x, pixel.y);
-  const double outwards = outwards_[type_of_[i]];
-  if (outwards == 0) return s;
-  const Vec2 middle = middle_of(camera, lenses_[i]);
-  return middle + (1 / (1 + outwards)) * (s - middle);
+Vec2 GeometryFit::found_at(const Camera& camera, std::size_t i) const {
+  const Vec2 pixel = seen_->corners[i].pixel;
+  return camera.sensor_point(pixel.x, pixel.y);
 }
 
-Vec2 GeometryFit::corner_miss(const Camera& camera, std::size_t i, Vec3 corner) const {
-  return seen_line(camera, lenses_[i], place_of(camera, i)).at(corner.z) -
+/// The sensor point at which a corner would be found without its displacement outwards.
+Vec2 GeometryFit::place_of(const Camera& camera, std::size_t i, Vec2 found) const {
+  const double outwards = outwards_[type_of_[i]];
+  if (outwards == 0) return found;
+  const Vec2 middle = middle_of(camera, lenses_[i]);
+  return middle + (1 / (1 + outwards)) * (found - middle);
+}
+
+/// By which the line that is seen at a sensor point misses a corner.
+Vec2 GeometryFit::corner_miss(const Camera& camera, std::size_t i, Vec2 found) const {
+  const Vec3 corner = in_camera(i);
+  return seen_line(camera, lenses_[i], place_of(camera, i, found)).at(corner.z) -
          Vec2{corner.x, corner.y};
 }
 
@@ -381,20 +387,33 @@ FittedPoint GeometryFit::row_of_corner(std::size_t i, const Camera& camera,
   const Eigen::Index n = values();
   point.rows.setZero(2, n + kUnknownsOfCorner);
   point.pose = pose_of_[i];
-  const Vec3 corner = in_camera(i);
-  const Vec2 s = place_of(camera, i);
-  const ToPixels pixels = to_pixels(
-      camera, s, [&](Vec2 at) { return seen_line(camera, lenses_[i], at).at(corner.z); });
-  const Vec2 miss = corner_miss(camera, i, corner);
-  point.residual = pixels(miss);
+  const double z = in_camera(i).z;
+  const Vec2 found = found_at(camera, i), size = spec_.sensor.pixel();
+  // Pixels where the corner was found are those of its undisplaced place, stretched.
+  const double stretch = 1 + outwards_[type_of_[i]];
+  const auto pixels_at = [&](Vec2 place) {
+    return to_pixels(camera, place_of(camera, i, place),
+                     [&](Vec2 at) { return seen_line(camera, lenses_[i], at).at(z); });
+  };
+  const auto nearer = [&](Vec2 place, const ToPixels& pixels) {
+    const Vec2 p = stretch * pixels(corner_miss(camera, i, place));
+    return place + Vec2{size.x * p.x, size.y * p.y};
+  };
+  // Derivatives are those of the predicted place. At the found one their errors would be in
+  // proportion to the residuals, and the least squares elsewhere.
+  const Vec2 near = nearer(found, pixels_at(found));
+  const ToPixels pixels = pixels_at(near);
+  const Vec2 predicted = nearer(near, pixels);
+  point.residual = {(predicted.x - found.x) / size.x, (predicted.y - found.y) / size.y};
   if (!used_[i]) return point;
+  const Vec2 s = place_of(camera, i, predicted), miss = corner_miss(camera, i, predicted);
   const auto put = [&](Eigen::Index column, Vec2 change) {
-    const Vec2 p = pixels(change);
+    const Vec2 p = stretch * pixels(change);
     point.rows.col(column) << p.x, p.y;
   };
   for (Eigen::Index k = 0; k < n; ++k) {
     const auto at = static_cast<std::size_t>(k);
-    put(k, (1 / free_[at]->step) * (corner_miss(moved[at], i, corner) - miss));
+    put(k, (1 / free_[at]->step) * (corner_miss(moved[at], i, predicted) - miss));
   }
   const Vec2 slope = seen_line(camera, lenses_[i], s).slope;
   const Mat3& rotation = poses_[point.pose].rotation;
@@ -405,7 +424,7 @@ FittedPoint GeometryFit::row_of_corner(std::size_t i, const Camera& camera,
     put(n + 3 + k, by(e));
     put(n + 7 + k, by(rotation * e));
   }
-  const Vec2 out = s - middle_of(camera, lenses_[i]), size = spec_.sensor.pixel();
+  const Vec2 out = s - middle_of(camera, lenses_[i]);
   point.rows.col(n + 6) << out.x / size.x, out.y / size.y;
   point.blocks = {{0, 0, n}, {n, first_of_pose(point.pose), 6}};
   if (looseness_.outwards > 0)
@@ -424,11 +443,14 @@ FittedPoint GeometryFit::row_of_centre(std::size_t i, const Camera& camera,
   const Vec2 pixel = seen_->centres[i].pixel, s = camera.sensor_point(pixel.x, pixel.y);
   const ToPixels pixels =
       to_pixels(camera, s, [&](Vec2 at) { return at_main_lens(camera, lens, at); });
-  const Vec2 miss = at_main_lens(camera, lens, s);
-  point.residual = pixels(miss);
+  point.residual = pixels(at_main_lens(camera, lens, s));
   point.rows.setZero(2, values());
+  const Vec2 size = spec_.sensor.pixel(),
+             predicted = s + Vec2{size.x * point.residual.x, size.y * point.residual.y},
+             miss = at_main_lens(camera, lens, predicted);
   for (std::size_t k = 0; k < free_.size(); ++k) {
-    const Vec2 p = pixels((1 / free_[k]->step) * (at_main_lens(moved[k], lens, s) - miss));
+    const Vec2 p =
+        pixels((1 / free_[k]->step) * (at_main_lens(moved[k], lens, predicted) - miss));
     point.rows.col(static_cast<Eigen::Index>(k)) << p.x, p.y;
   }
   point.blocks = {{0, 0, values()}};

@@ -91,8 +91,9 @@ class GeometryFit {
   Vec3 on_board(std::size_t i) const;
   Vec3 in_camera(std::size_t i) const { return poses_[pose_of_[i]].point(on_board(i)); }
   Vec2 middle_of(const Camera& camera, LensIndex lens) const;
-  Vec2 place_of(const Camera& camera, std::size_t i) const;
-  Vec2 corner_miss(const Camera& camera, std::size_t i, Vec3 corner) const;
+  Vec2 found_at(const Camera& camera, std::size_t i) const;
+  Vec2 place_of(const Camera& camera, std::size_t i, Vec2 found) const;
+  Vec2 corner_miss(const Camera& camera, std::size_t i, Vec2 found) const;
   bool is_free(const char* key) const;
   void linearise();
   void add_known();
@@ -135,7 +136,8 @@ class GeometryFit {
   std::vector<double> units_;
   Eigen::MatrixXd square_;
   Eigen::VectorXd right_, radii_row_;
-  double cost_ = 0, noise2_ = 1, radii_residual_ = 0, effective_ = 0;
+  double cost_ = 0, noise2_ = 1, radii_residual_ = 0;
+  Looseness effective_;  ///< counts of loose values that the observations determine
   std::vector<Vec2> residuals_, centre_residuals_;
 };
 

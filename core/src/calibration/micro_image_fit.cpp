@@ -87,6 +87,22 @@ double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<
   return sum;
 }
 
+/// Radius of the even disc with the second moment of the light, the pixels' own taken away. The
+/// fitted background is no part of it: a disc that is blurred by half of itself differs from the
+/// model.
+double even_radius(const std::vector<CellPixel>& pixels) {
+  double light = 0, x = 0, y = 0, square = 0;
+  for (const CellPixel& pixel : pixels) {
+    light += pixel.value;
+    x += pixel.value * pixel.x;
+    y += pixel.value * pixel.y;
+    square += pixel.value * (pixel.x * pixel.x + pixel.y * pixel.y);
+  }
+  constexpr double kPixel = 1.0 / 6;  // the second moment of a pixel
+  const double moment = (square - (x * x + y * y) / light) / light - kPixel;
+  return std::sqrt(std::max(0.0, 2 * moment));
+}
+
 }  // namespace
 
 LatticeCell::LatticeCell(const LatticeGuess& guess) : neighbours{guess.step_i, guess.step_j} {
@@ -179,6 +195,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   fit.centre = start.centre + Vec2{p[0], p[1]};
   fit.radius = p[2];
   fit.blur = p[3];
+  fit.even_radius = even_radius(pixels);
   fit.light = p[4];
   fit.rms = std::sqrt(sum / static_cast<double>(pixels.size())) / std::max(p[4], 1e-300);
   // A blob that ran out of its cell, that hardly stands out, or looks like anything but a disc, is
