@@ -11,12 +11,12 @@ namespace plenoflame {
 namespace {
 
 constexpr int kMostFitSteps = 100;
-constexpr double kFitConverged = 1e-10;       ///< relative change of the sum of squares
-constexpr double kNotDetermined = 1e-9;       ///< least eigenvalue of the scaled normal matrix
-constexpr double kLeastNoise2 = 1e-6;         ///< [pixel^2] no corner is known better
-constexpr int kMostLooseRounds = 12;          ///< of standard deviations of loose values
-constexpr double kLooseConverged = 0.03;      ///< relative change of such a deviation
-constexpr double kMeanOutwards = 1e-4;        ///< by which the sum over types may differ from 0
+constexpr double kFitConverged = 1e-10;         ///< relative change of the sum of squares
+constexpr double kNotDetermined = 1e-9;         ///< least eigenvalue of the scaled normal matrix
+constexpr double kLeastNoise2 = 1e-6;           ///< [pixel^2] no corner is known better
+constexpr int kMostLooseRounds = 12;            ///< of standard deviations of loose values
+constexpr double kLooseConverged = 0.03;        ///< relative change of such a deviation
+constexpr double kMeanOutwards = 1e-4;          ///< by which the sum over types may differ from 0
 constexpr Eigen::Index kUnknownsOfCorner = 10;  ///< 6 of the pose, outwards, 3 of the point
 
 /// The plane of which the image is distorted but sharp is searched for where it would be known to
@@ -222,8 +222,8 @@ bool GeometryFit::knows_plane(const std::vector<const FreeValue*>& free) {
   linearise();
   const auto plane = std::find_if(free.begin(), free.end(), is_plane) - free.begin();
   const auto used = static_cast<double>(std::count(used_.begin(), used_.end(), true));
-  const double freedom = 2 * (used + static_cast<double>(seen_->centres.size())) -
-                         static_cast<double>(square_.rows());
+  const double freedom =
+      2 * (used + static_cast<double>(seen_->centres.size())) - static_cast<double>(square_.rows());
   const Eigen::VectorXd unit = Eigen::VectorXd::Unit(square_.rows(), plane);
   const double variance = cost_ / freedom * unit.dot(square_.ldlt().solve(unit));
   return variance > 0 && std::sqrt(variance) * units_[static_cast<std::size_t>(plane)] <
@@ -271,8 +271,7 @@ GeometryCalibration GeometryFit::result(int steps, double pupil) {
   result.outwards = outwards.by_type;
   for (std::size_t t = 0; t < outwards_.size(); ++t) result.outwards[t] += outwards_[t];
   result.outwards_scatter = std::hypot(outwards.scatter, looseness_.outwards);
-  const Eigen::MatrixXd covariance =
-      geometry_covariance(fitted, result.outwards_scatter, pupil);
+  const Eigen::MatrixXd covariance = geometry_covariance(fitted, result.outwards_scatter, pupil);
   CameraSpec copy = spec_;
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -449,8 +448,7 @@ FittedPoint GeometryFit::row_of_centre(std::size_t i, const Camera& camera,
              predicted = s + Vec2{size.x * point.residual.x, size.y * point.residual.y},
              miss = at_main_lens(camera, lens, predicted);
   for (std::size_t k = 0; k < free_.size(); ++k) {
-    const Vec2 p =
-        pixels((1 / free_[k]->step) * (at_main_lens(moved[k], lens, predicted) - miss));
+    const Vec2 p = pixels((1 / free_[k]->step) * (at_main_lens(moved[k], lens, predicted) - miss));
     point.rows.col(static_cast<Eigen::Index>(k)) << p.x, p.y;
   }
   point.blocks = {{0, 0, values()}};
@@ -554,8 +552,7 @@ void GeometryFit::apply(const Eigen::VectorXd& change) {
       outwards_[t] += change(first_of_outwards() + static_cast<Eigen::Index>(t));
   if (looseness_.board > 0)
     for (std::size_t k = 0; k < points_.size(); ++k)
-      points_[k] =
-          points_[k] + three(first_of_points() + 3 * static_cast<Eigen::Index>(k));
+      points_[k] = points_[k] + three(first_of_points() + 3 * static_cast<Eigen::Index>(k));
 }
 
 }  // namespace plenoflame

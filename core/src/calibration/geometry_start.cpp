@@ -35,8 +35,7 @@ RigidTransform GeometryFit::homography_pose(const Camera& camera, std::size_t po
     if (pose_of_[i] != pose) continue;
     const Vec2 board = seen_->corners[i].board, pixel = seen_->corners[i].pixel;
     const Vec2 s = camera.sensor_point(pixel.x, pixel.y);
-    const Vec2 t =
-        (1 / focus) * (seen_line(camera, lenses_[i], s).at(focus) - spec_.lens.decentre);
+    const Vec2 t = (1 / focus) * (seen_line(camera, lenses_[i], s).at(focus) - spec_.lens.decentre);
     const Eigen::Vector3d b(board.x / size, board.y / size, 1);
     Eigen::Matrix<double, 9, 1> row;
     row << b, Eigen::Vector3d::Zero(), -t.x * b;

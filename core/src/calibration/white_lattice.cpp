@@ -338,7 +338,7 @@ class LatticeMeasurer {
 
 WhiteLattice measure_white(const Image& white, const Execution& execution) {
   const LatticeGuess guess = find_lattice(white);
-  const LatticeCell cell(guess);
+  const LatticeCell cell(guess, white);
   return LatticeMeasurer(
              guess, white.width, white.height,
              [&](const MicroImageFit& start) { return fit_micro_image(white, cell, start); },
@@ -379,7 +379,7 @@ WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int
 
 std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
                                 const Execution& execution) {
-  const LatticeCell cell(lattice.guess);
+  const LatticeCell cell(lattice.guess, white);
   // The stop's image is smaller or larger: its size in the middle of the picture is asked for
   // first.
   const double radius = find_lattice(white).radius;

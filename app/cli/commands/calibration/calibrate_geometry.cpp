@@ -109,7 +109,6 @@ std::vector<RadiusObservation> read_radii(const std::string& path, std::size_t t
     radius.type = static_cast<std::size_t>(type);
     radii.push_back(radius);
   }
-  if (radii.empty()) throw InputError("'" + path + "' has no radius");
   return radii;
 }
 

@@ -504,8 +504,9 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->check(written())
       ->option_text("FILE");
   command
-      .add_option("--radii", a->radii,
-                  "Table of the micro-images' radii at each f-number (.csv), for calibrate geometry")
+      .add_option(
+          "--radii", a->radii,
+          "Table of the micro-images' radii at each f-number (.csv), for calibrate geometry")
       ->check(written())
       ->option_text("FILE");
   command

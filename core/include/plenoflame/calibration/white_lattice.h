@@ -19,9 +19,9 @@ struct MicroImageFit {
   double blur = 0;    ///< half the width of the edge: how far the stop's image is out of focus
   double even_radius = 0;  ///< of the even disc with the second moment of the light in the cell
   double light = 0;        ///< in the middle
-  double rms = 0;     ///< of the fit's residuals, in units of `light`
-  bool good = false;  ///< takes part in the model
-  Vec2 model;         ///< centre by the global model
+  double rms = 0;          ///< of the fit's residuals, in units of `light`
+  bool good = false;       ///< takes part in the model
+  Vec2 model;              ///< centre by the global model
   int type = 0;
 };
 
