@@ -121,7 +121,7 @@ CameraSpec best_start(const CameraSpec& spec, const GeometryObservations& seen,
   return best;
 }
 
-/// Finds what corners have in common beside the camera: places of the board's points, and
+/// Finds what corners have in common beside the camera. These are places of the board's points, and
 /// displacements outwards in their micro-images, which differ between types, and from the radii.
 int loosen(GeometryFit& fit, const GeometryObservations& seen, const Execution& execution) {
   double reach = 0;

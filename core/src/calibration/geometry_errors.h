@@ -14,8 +14,8 @@ inline constexpr std::size_t kNoPose = std::numeric_limits<std::size_t>::max();
 
 /// A corner or a centre where a fit has ended. Lengths are in pixels on the sensor.
 struct FittedPoint {
-  /// Derivatives of the residual: by the camera's values, then (corners) by the 6 of the pose, by
-  /// the displacement outwards and by the 3 of the board's point.
+  /// Derivatives of the residual. The camera's values come first. Corners add the 6 of the pose,
+  /// the displacement outwards and the 3 of the board's point.
   Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
   /// First column in `rows`, first unknown of the fit, count; of those that the fit has.
   struct Block {
@@ -37,7 +37,7 @@ struct LooseValue {
   double value = 0;
 };
 
-/// Where a fit has ended.
+/// The end of a fit.
 struct FittedPoints {
   std::vector<FittedPoint> points;
   Eigen::MatrixXd square;  ///< normal matrix of all unknowns: the camera's values, then the others

@@ -149,9 +149,9 @@ int GeometryFit::loosen(double Looseness::*which, double start, const Execution&
   return steps;
 }
 
-/// One step to the standard deviations by which the observations are most probable: the squares
-/// over the count of values that the observations determine (MacKay 1992, Neural Computation 4,
-/// 415). @return the largest relative change
+/// One step to the standard deviations by which the observations are most probable. These are the
+/// squares over the count of values that the observations determine (MacKay 1992, Neural
+/// Computation 4, 415). @return the largest relative change
 double GeometryFit::update_looseness() {
   const Eigen::MatrixXd inverse =
       square_.ldlt().solve(Eigen::MatrixXd::Identity(square_.rows(), square_.rows()));

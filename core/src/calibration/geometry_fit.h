@@ -13,7 +13,7 @@
 
 namespace plenoflame {
 
-/// What was seen of the boards and of white pictures.
+/// Observations of the boards and of white pictures.
 struct GeometryObservations {
   std::vector<CornerObservation> corners;
   std::vector<CentreObservation> centres;

@@ -275,7 +275,7 @@ class WhiteRun {
     files.commit();
   }
 
-  /// Radii for calibrate geometry. Where micro-images overlap, a cell holds light of several.
+  /// Radii for calibrate geometry. A cell of overlapping micro-images holds light of several.
   std::string radii_csv(const std::vector<Aperture>& apertures) const {
     constexpr double kMostReach = 0.53;  // of the pitch; from half of it on they touch
     std::string text = "type,f_number,radius,error\n";

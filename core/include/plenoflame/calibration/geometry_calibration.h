@@ -74,7 +74,7 @@ struct RadiiMatch {
 ///   corners, micro-images or boards err independently.
 /// - The displacement of the corners outwards in their micro-images (outwards_scatter).
 /// - The place of the exit pupil (GeometrySettings::pupil).
-/// - Values beside the camera's that the fit finds where they explain more than noise: a
+/// - Values beside the camera's that explain more than noise. They are a
 ///   displacement outwards for each type of microlens, and places of the board's points. Their
 ///   standard deviations follow from the observations. Radii have the error that is given.
 struct GeometryCalibration {
