@@ -178,9 +178,9 @@ class WhiteRun {
     if (!arguments_.output.empty() && arguments_.camera.empty() && arguments_.pixel_pitch.empty())
       throw UsageError(
           "-o: the array's lengths take the size of a pixel: give --camera or --pixel-pitch");
-    if (arguments_.output.empty() && arguments_.centres.empty() && arguments_.picture.empty() &&
-        !arguments_.json)
-      warn("nothing is written: -o, --centres and --picture name files");
+    if (arguments_.output.empty() && arguments_.centres.empty() && arguments_.radii.empty() &&
+        arguments_.picture.empty() && !arguments_.json)
+      warn("nothing is written: -o, --centres, --radii and --picture name files");
     if (!arguments_.pixel_pitch.empty()) {
       pixel_ = quantity_option("--pixel-pitch", arguments_.pixel_pitch, Dimension::length);
       if (!(pixel_ > 0 && pixel_ <= kLargestPixel))
