@@ -131,7 +131,8 @@ class White(CommandTest):
             self.run_command("render", "stop.toml", "-o", "w.exr", "--white", "--samples", "64", "--quiet")
             self.run_command("develop", "w.exr", "-o", f"w{number}.tif", "--exposure", "auto")
             words.append(f"{number}=w{number}.tif")
-        figures = self.json_of("calibrate", "white", *words, "--centres", "a.csv", "--pixel-pitch", "5.5 um")
+        figures = self.json_of("calibrate", "white", *words, "--centres", "a.csv", "--pixel-pitch", "5.5 um",
+                               "--radii", "radii.csv")
         # The stop's radius f / 2N, seen through a microlens from the sensor, in pixels.
         slope = 25e-3 * 0.45e-3 / (1 / (1 / 50e-3 - 1 / 0.5)) / 5.5e-6
         self.assertEqual(len(figures["radius_lines"]), 3)
@@ -139,6 +140,17 @@ class White(CommandTest):
             # Edges of small discs that are blurred lie within by the square of the blur over the radius, 2 % at f/10.
             self.assertLess(abs(line["slope_pixels"] / slope - 1), 0.03, line)
             self.assertGreater(line["rest_pixels"], 0)
+        # Squares of radii are sums: the stop's image over N, and the microlens' own blur.
+        with open(self.path("radii.csv"), encoding="ascii") as file:
+            rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+        self.assertEqual(len(rows), 9)
+        for kind in range(3):
+            five, ten = ([row["radius"] for row in rows if row["type"] == kind and row["f_number"] == number][0]
+                         for number in (5, 10))
+            found = math.sqrt((five ** 2 - ten ** 2) / (1 / 25 - 1 / 100))
+            self.assertLess(abs(found / slope - 1), 0.03)
+        self.fails(2, "calibrate", "white", words[0], "--pixel-pitch", "5.5 um", "--radii", "r.csv",
+                   mentions="two f-numbers")
 
         # Files that change places, that are one and the same, and an f-number that is another's.
         before = self.files()

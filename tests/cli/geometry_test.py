@@ -100,6 +100,17 @@ class Boards(CommandTest):
             value = found["values"][key]
             self.assertLess(abs(value["value"] / truth - 1), 0.01, key)
             self.assertGreater(value["error"], 0)
+        # Radii of white micro-images agree with the sensor's distance: 25 mm / N of the stop, seen from the sensor.
+        rows = [f"0,{n},{math.hypot(25 * 0.4 / 57.5 / 5.5e-3 / n, 2)},0.01\n" for n in (4, 8)]
+        self.write("radii.csv", "type,f_number,radius,error\n" + "".join(rows))
+        run = ("corners.csv", "--camera", "real.toml", "-o", "both.toml", "--free", "camera.array.sensor_distance")
+        both = self.json_of("calibrate", "geometry", *run, "--radii", "radii.csv")
+        self.assertLess(abs(both["radii_pixel"][0] / (25 * 0.4 / 57.5 / 5.5e-3) - 1), 1e-6)
+        self.assertLess(abs(both["radii_conflict"]), 1)
+        self.assertLess(abs(both["radii_error"] / 0.03 - 1), 0.01)
+        for text, mentions in (("3,4,9,0.01\n", "type 3"), ("0,4,9,0.01\n", "two apertures"), ("", "no line of the file")):
+            self.write("bad.csv", text)
+            self.fails(1, "calibrate", "geometry", *run, "--radii", "bad.csv", mentions=mentions)
         variance = found["covariance"][0][0]
         error = found["values"]["camera.focus.lens_distance"]["error"]
         self.assertLess(abs(variance / error ** 2 - 1), 1e-6)

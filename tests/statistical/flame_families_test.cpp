@@ -162,8 +162,8 @@ TEST(ModelTest, NamesWhatIsWrong) {
   expect_named(SuspectKind::focus, 0.01);
   trial = {Family::candle, true, 1, 8000, 8, 0};
   expect_named(SuspectKind::right, 0.5e-3);
-  trial = {Family::blobs, false, 3, 8000, 8, 100};
-  expect_named(SuspectKind::absorption, 0.3);
+  trial = {Family::candle, true, 2, 20000, 8, 200};
+  expect_named(SuspectKind::absorption, 0.5);
 }
 
 /// Pictures of a flame by sharp cameras around it, with the noise of a sensor.

@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "calibration/free_values.h"
-#include "calibration/geometry_errors.h"
-#include "calibration/seen_lines.h"
+#include "calibration/geometry_fit.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/camera/camera.h"
@@ -18,467 +16,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kMostFitSteps = 100;
-constexpr double kFitConverged = 1e-10;  ///< relative change of the sum of squares
-/// A pose that is turned over leaves less than this part of the squares, or stays as it was.
-constexpr double kTurnedOver = 0.95;
 constexpr int kMostTurns = 5;
-constexpr double kNotDetermined = 1e-9;  ///< least eigenvalue of the scaled normal matrix
-
-/// The plane of which the image is distorted but sharp is searched for where it would be known to
-/// this part of its distance. Distortion that is noise tells it to a half at best; and where it
-/// stays as it is, so much of it changes the picture by no more than the noise of all corners.
-constexpr double kKnownPlane = 0.1;
-
-Mat3 turned_by(const Mat3& rotation, Vec3 w) {
-  const double angle = length(w);
-  if (angle == 0) return rotation;
-  const Vec3 e = (1 / angle) * w;
-  const double c = std::cos(angle), s = std::sin(angle), k = 1 - c;
-  const Mat3 turn{{{{c + k * e.x * e.x, k * e.x * e.y - s * e.z, k * e.x * e.z + s * e.y},
-                    {k * e.x * e.y + s * e.z, c + k * e.y * e.y, k * e.y * e.z - s * e.x},
-                    {k * e.x * e.z - s * e.y, k * e.y * e.z + s * e.x, c + k * e.z * e.z}}}};
-  return rotation * turn;
-}
-
-class GeometryFit {
- public:
-  GeometryFit(const CameraSpec& start, const std::vector<CornerObservation>& corners,
-              const std::vector<CentreObservation>& centres)
-      : spec_(start), corners_(corners), centres_(centres), used_(corners.size(), true) {
-    for (const CornerObservation& corner : corners)
-      pose_index_.emplace(corner.pose, pose_index_.size());
-    std::size_t k = 0;
-    for (auto& [pose, index] : pose_index_) index = k++;
-    poses_.resize(pose_index_.size());
-    const Camera camera = open_camera(spec_);
-    const double shrink = -camera.array_front() / -camera.sensor();
-    for (const CornerObservation& corner : corners) {
-      const Vec2 s = camera.sensor_point(corner.pixel.x, corner.pixel.y);
-      lenses_.push_back(corner.lens.value_or(
-          camera.lattice().nearest(camera.foot() + shrink * (s - camera.foot()))));
-    }
-  }
-
-  /// Each board by a homography to the directions from the middle of the lens in which its corners
-  /// are seen on the plane in focus.
-  void start_poses() {
-    const Camera camera = open_camera(spec_);
-    const double focus = plane_in_focus(camera);
-    for (const auto& [pose, index] : pose_index_) {
-      Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();
-      double size = 0;
-      std::size_t count = 0;
-      for (std::size_t i = 0; i < corners_.size(); ++i)
-        if (corners_[i].pose == pose) size += length(corners_[i].board), ++count;
-      if (count < 8)
-        throw InputError("pose " + std::to_string(pose) + " has " + std::to_string(count) +
-                         " corners; at least 8 are needed");
-      size /= static_cast<double>(count);
-      for (std::size_t i = 0; i < corners_.size(); ++i) {
-        if (corners_[i].pose != pose) continue;
-        const Vec2 s = camera.sensor_point(corners_[i].pixel.x, corners_[i].pixel.y);
-        const Vec2 t =
-            (1 / focus) * (seen_line(camera, lenses_[i], s).at(focus) - spec_.lens.decentre);
-        const Eigen::Vector3d b(corners_[i].board.x / size, corners_[i].board.y / size, 1);
-        Eigen::Matrix<double, 9, 1> row;
-        row << b, Eigen::Vector3d::Zero(), -t.x * b;
-        square += row * row.transpose();
-        row << Eigen::Vector3d::Zero(), b, -t.y * b;
-        square += row * row.transpose();
-      }
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 9, 9>> solver(square);
-      const Eigen::Matrix<double, 9, 1> h = solver.eigenvectors().col(0);
-      Eigen::Matrix3d m;
-      m.row(0) = h.segment<3>(0).transpose();
-      m.row(1) = h.segment<3>(3).transpose();
-      m.row(2) = h.segment<3>(6).transpose();
-      m.col(0) /= size;
-      m.col(1) /= size;
-      m *= 2 / (m.col(0).norm() + m.col(1).norm());
-      if (m(2, 2) < 0) m = -m;
-      const Eigen::Vector3d t = m.col(2);
-      m.col(2) = m.col(0).cross(m.col(1));
-      const Eigen::JacobiSVD<Eigen::Matrix3d> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-      const Eigen::Matrix3d r = svd.matrixU() * svd.matrixV().transpose();
-      RigidTransform& place = poses_[index];
-      for (int k = 0; k < 3; ++k)
-        place.rotation.rows[static_cast<std::size_t>(k)] = {r(k, 0), r(k, 1), r(k, 2)};
-      place.translation = {t.x() + spec_.lens.decentre.x, t.y() + spec_.lens.decentre.y, t.z()};
-    }
-  }
-
-  /// Least squares over poses and these values of the camera.
-  int solve(const std::vector<const FreeValue*>& free, const Execution& execution) {
-    free_ = free;
-    double damping = 1e-6, cost = 0;
-    linearise();
-    cost = cost_;
-    int step = 0;
-    for (; step < kMostFitSteps; ++step) {
-      if (execution.stop.stop_requested()) throw Cancelled();
-      const auto spec = spec_;
-      const auto poses = poses_;
-      const Eigen::MatrixXd square = square_;
-      const Eigen::VectorXd right = right_;
-      bool better = false;
-      for (int attempt = 0; attempt < 12 && !better; ++attempt) {
-        Eigen::MatrixXd damped = square;
-        damped.diagonal() *= 1 + damping;
-        apply(-damped.ldlt().solve(right));
-        bool sound = true;
-        try {
-          linearise();
-        } catch (const InputError&) {  // a camera that cannot be
-          sound = false;
-        }
-        better = sound && std::isfinite(cost_) && cost_ <= cost;
-        if (better) break;
-        spec_ = spec;
-        poses_ = poses;
-        damping *= 10;
-      }
-      if (!better) {
-        linearise();
-        break;
-      }
-      damping = std::max(1e-12, 0.1 * damping);
-      const double change = cost - cost_;
-      cost = cost_;
-      if (change <= kFitConverged * cost) break;
-    }
-    return step;
-  }
-
-  /// A board far away looks the same when it is tilted the other way (Schweighofer and Pinz, IEEE
-  /// PAMI 28 (2006) 2024): each pose becomes the other one where that leaves less.
-  /// @return whether one did
-  bool turn_poses_over(const Execution& execution) {
-    const std::vector<RigidTransform> poses = poses_;
-    const std::vector<double> costs = pose_costs();
-    for (RigidTransform& pose : poses_) {
-      const Vec3 view = normalize(pose.translation);
-      const auto& r = pose.rotation.rows;
-      const auto mirrored = [&](Vec3 v) { return v - (2 * dot(view, v)) * view; };
-      const Vec3 x = mirrored({r[0].x, r[1].x, r[2].x}), y = mirrored({r[0].y, r[1].y, r[2].y}),
-                 z = cross(x, y);
-      pose.rotation.rows = {Vec3{x.x, y.x, z.x}, Vec3{x.y, y.y, z.y}, Vec3{x.z, y.z, z.z}};
-    }
-    solve({}, execution);
-    const std::vector<double> other = pose_costs();
-    bool any = false;
-    for (std::size_t p = 0; p < poses.size(); ++p)
-      if (other[p] < kTurnedOver * costs[p])
-        any = true;
-      else
-        poses_[p] = poses[p];
-    linearise();
-    return any;
-  }
-
-  /// @throws InputError naming the values between which the observations do not tell
-  void check_determined() const {
-    const auto n = static_cast<Eigen::Index>(free_.size());
-    if (n == 0) return;
-    const Eigen::Index rest = square_.rows() - n;
-    const Eigen::MatrixXd cc = square_.topLeftCorner(n, n), cp = square_.topRightCorner(n, rest),
-                          pp = square_.bottomRightCorner(rest, rest);
-    Eigen::MatrixXd reduced = cc - cp * pp.ldlt().solve(cp.transpose());
-    Eigen::VectorXd scale(n);
-    for (Eigen::Index i = 0; i < n; ++i) scale(i) = cc(i, i) > 0 ? 1 / std::sqrt(cc(i, i)) : 0;
-    reduced = scale.asDiagonal() * reduced * scale.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(0.5 *
-                                                                (reduced + reduced.transpose()));
-    if (solver.eigenvalues()(0) > kNotDetermined) return;
-    const Eigen::VectorXd worst = solver.eigenvectors().col(0);
-    std::string names;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (std::fabs(worst(i)) > 0.2 * worst.cwiseAbs().maxCoeff() || cc(i, i) == 0) {
-        if (!names.empty()) names.append(", ");
-        names.append(free_[static_cast<std::size_t>(i)]->key);
-      }
-    throw InputError("the observations do not determine " + names +
-                     " (together, where there are several): give more poses at other distances and "
-                     "angles, or centres of micro-images, or search for fewer values");
-  }
-
-  /// Marks corners that are far off. @return how many
-  std::size_t leave_out(double times) {
-    const double limit = times * corner_rms();
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < corners_.size(); ++i)
-      if (used_[i] && !(length(residuals_[i]) <= limit)) {
-        used_[i] = false;
-        ++count;
-      }
-    return count;
-  }
-
-  double corner_rms() const { return rms(residuals_, used_); }
-
-  /// True if the corners determine the plane of the distortion, one of these values, as the camera
-  /// is now.
-  bool knows_plane(const std::vector<const FreeValue*>& free) {
-    free_ = free;
-    linearise();
-    const auto plane = std::find_if(free.begin(), free.end(), is_plane) - free.begin();
-    const auto used = static_cast<double>(std::count(used_.begin(), used_.end(), true));
-    const double freedom =
-        2 * (used + static_cast<double>(centres_.size())) - static_cast<double>(square_.rows());
-    const Eigen::VectorXd unit = Eigen::VectorXd::Unit(square_.rows(), plane);
-    const double variance = cost_ / freedom * unit.dot(square_.ldlt().solve(unit));
-    return variance > 0 && std::sqrt(variance) * units_[static_cast<std::size_t>(plane)] <
-                               kKnownPlane * spec_.lens.distortion.distance;
-  }
-
-  void put_plane(double distance) { spec_.lens.distortion.distance = distance; }
-  double plane() const { return spec_.lens.distortion.distance; }
-
-  /// @param pupil GeometrySettings::pupil
-  GeometryCalibration result(int steps, double pupil) {
-    GeometryCalibration result;
-    result.camera = spec_;
-    result.corner_rms = corner_rms();
-    result.centre_rms = rms(centre_residuals_, std::vector<bool>(centres_.size(), true));
-    result.centres = centres_.size();
-    result.residuals = residuals_;
-    for (std::size_t i = 0; i < used_.size(); ++i) {
-      result.corners += used_[i] ? 1 : 0;
-      if (!used_[i])
-        result.residuals[i] = {std::numeric_limits<double>::quiet_NaN(),
-                               std::numeric_limits<double>::quiet_NaN()};
-    }
-    result.left_out = used_.size() - result.corners;
-    result.steps = steps;
-    for (const auto& [pose, index] : pose_index_) {
-      std::vector<bool> own(corners_.size());
-      for (std::size_t i = 0; i < own.size(); ++i) own[i] = used_[i] && corners_[i].pose == pose;
-      result.poses.push_back({pose, poses_[index], rms(residuals_, own)});
-    }
-    const std::vector<FittedPoint> points = fitted_points();
-    const OutwardsDisplacement outwards = outwards_displacement(points, spec_.array.types.size());
-    result.outwards = outwards.by_type;
-    result.outwards_scatter = outwards.scatter;
-    const Eigen::MatrixXd covariance =
-        geometry_covariance(points, square_, free_.size(), outwards.scatter, pupil);
-    CameraSpec copy = spec_;
-    for (std::size_t i = 0; i < free_.size(); ++i) {
-      const auto k = static_cast<Eigen::Index>(i);
-      result.values.push_back({free_[i]->key, free_[i]->of(copy),
-                               units_[i] * std::sqrt(std::max(0.0, covariance(k, k)))});
-      std::vector<double>& row = result.covariance.emplace_back();
-      for (std::size_t j = 0; j < free_.size(); ++j)
-        row.push_back(units_[i] * units_[j] * covariance(k, static_cast<Eigen::Index>(j)));
-    }
-    return result;
-  }
-
-  /// The observations that are used, where the camera and the poses are now.
-  std::vector<FittedPoint> fitted_points() {
-    const Camera camera = open_camera(spec_);
-    // A pupil elsewhere moves the centres; where there are none, the pitch was found from such.
-    const bool is_told = !centres_.empty() || is_free("camera.array.pitch");
-    CameraSpec stretched = spec_;
-    const double step = 1e-6, part = spec_.array.sensor_distance / spec_.focus.lens_distance;
-    stretched.array.pitch *= 1 + step * part;
-    const Camera with_pitch = open_camera(stretched);
-    const double shrink = camera.array_front() / camera.sensor();
-    std::vector<FittedPoint> points;
-    each_row([&](std::size_t i, const Rows& rows, Vec2 residual, std::size_t pose) {
-      FittedPoint& point = points.emplace_back();
-      point.rows = rows;
-      point.residual = residual;
-      point.pose = pose;
-      const bool is_corner = pose != kNoPose;
-      const Vec2 pixel = is_corner ? corners_[i].pixel : centres_[i - corners_.size()].pixel;
-      point.lens = is_corner ? lenses_[i] : centres_[i - corners_.size()].lens;
-      point.type = static_cast<std::size_t>(camera.lattice().type(point.lens));
-      const Vec2 s = camera.sensor_point(pixel.x, pixel.y);
-      const Vec3 place = camera.lens_place(point.lens);
-      const Vec2 from_foot = Vec2{place.x, place.y} - camera.foot();
-      if (!is_corner) {
-        point.by_pupil = to_pixels(
-            camera, s, [&](Vec2 at) { return at_main_lens(camera, point.lens, at); })(from_foot);
-        return;
-      }
-      const Vec2 from_middle = s - (camera.foot() + (1 / shrink) * from_foot),
-                 size = spec_.sensor.pixel();
-      point.offset = {-from_middle.x / size.x, -from_middle.y / size.y};
-      if (is_told) return;
-      const Vec3 corner = in_camera(i);
-      point.by_pupil = to_pixels(camera, s, [&](Vec2 at) {
-        return seen_line(camera, lenses_[i], at).at(corner.z);
-      })((1 / step) * (corner_miss(with_pitch, i, corner) - corner_miss(camera, i, corner)));
-    });
-    return points;
-  }
-
-  static double plane_in_focus(const Camera& camera) {
-    const double f = camera.ideal().focal_length;
-    const double distance = 1 / (1 / f - 1 / camera.lens_distance());
-    return distance > 0 && std::isfinite(distance) ? distance : 1e3 * f;
-  }
-
- private:
-  bool is_free(const char* key) const {
-    return std::any_of(free_.begin(), free_.end(),
-                       [&](const FreeValue* value) { return std::string(value->key) == key; });
-  }
-
-  static double rms(const std::vector<Vec2>& residuals, const std::vector<bool>& used) {
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < residuals.size(); ++i)
-      if (used[i]) sum += dot(residuals[i], residuals[i]), ++count;
-    return count ? std::sqrt(sum / static_cast<double>(count)) : 0;
-  }
-
-  /// Sum of squares of each pose's corners.
-  std::vector<double> pose_costs() const {
-    std::vector<double> costs(poses_.size());
-    for (std::size_t i = 0; i < corners_.size(); ++i)
-      if (used_[i]) costs[pose_index_.at(corners_[i].pose)] += dot(residuals_[i], residuals_[i]);
-    return costs;
-  }
-
-  Vec3 in_camera(std::size_t i) const {
-    const RigidTransform& pose = poses_[pose_index_.at(corners_[i].pose)];
-    return pose.point({corners_[i].board.x, corners_[i].board.y, 0});
-  }
-
-  Vec2 corner_miss(const Camera& camera, std::size_t i, Vec3 corner) const {
-    const Vec2 s = camera.sensor_point(corners_[i].pixel.x, corners_[i].pixel.y);
-    return seen_line(camera, lenses_[i], s).at(corner.z) - Vec2{corner.x, corner.y};
-  }
-
-  using Rows = Eigen::Matrix<double, 2, Eigen::Dynamic>;
-
-  /// Residuals and normal equations where the camera and the poses are now.
-  void linearise() {
-    const auto size = static_cast<Eigen::Index>(free_.size() + 6 * poses_.size());
-    square_ = Eigen::MatrixXd::Zero(size, size);
-    right_ = Eigen::VectorXd::Zero(size);
-    cost_ = 0;
-    each_row([&](std::size_t, const Rows& rows, Vec2 residual, std::size_t pose) {
-      add(rows, residual, pose);
-    });
-  }
-
-  /// Finds the residuals. For each used corner and each centre it calls take(observation,
-  /// derivatives, residual, pose). Centres have kNoPose, and numbers after the corners'.
-  template <class Take>
-  void each_row(const Take& take) {
-    const Camera camera = open_camera(spec_);
-    const std::size_t n = free_.size();
-    std::vector<Camera> moved;
-    units_.clear();
-    for (const FreeValue* value : free_) {
-      CameraSpec spec = spec_;
-      units_.push_back(value->scale(spec_));
-      value->of(spec) += value->step * units_.back();
-      moved.push_back(open_camera(spec));
-    }
-    residuals_.assign(corners_.size(), {});
-    for (std::size_t i = 0; i < corners_.size(); ++i) {
-      const Vec3 corner = in_camera(i);
-      const Vec2 s = camera.sensor_point(corners_[i].pixel.x, corners_[i].pixel.y);
-      const ToPixels pixels = to_pixels(
-          camera, s, [&](Vec2 at) { return seen_line(camera, lenses_[i], at).at(corner.z); });
-      const Vec2 miss = corner_miss(camera, i, corner);
-      residuals_[i] = pixels(miss);
-      if (!used_[i]) continue;
-      Rows rows(2, static_cast<Eigen::Index>(n + 6));
-      const auto put = [&](std::size_t column, Vec2 change) {
-        const Vec2 p = pixels(change);
-        rows.col(static_cast<Eigen::Index>(column)) << p.x, p.y;
-      };
-      for (std::size_t k = 0; k < n; ++k)
-        put(k, (1 / free_[k]->step) * (corner_miss(moved[k], i, corner) - miss));
-      const std::size_t pose = pose_index_.at(corners_[i].pose);
-      const Vec2 slope = seen_line(camera, lenses_[i], s).slope;
-      const Vec3 v{corners_[i].board.x, corners_[i].board.y, 0};
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Vec3 e{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
-        const Vec3 turned = poses_[pose].rotation * cross(e, v);
-        put(n + k, turned.z * slope - Vec2{turned.x, turned.y});
-        put(n + 3 + k, e.z * slope - Vec2{e.x, e.y});
-      }
-      take(i, rows, residuals_[i], pose);
-    }
-    centre_residuals_.assign(centres_.size(), {});
-    for (std::size_t i = 0; i < centres_.size(); ++i) {
-      const LensIndex lens = centres_[i].lens;
-      const Vec2 s = camera.sensor_point(centres_[i].pixel.x, centres_[i].pixel.y);
-      const auto miss_of = [&](const Camera& c, Vec2 at) { return at_main_lens(c, lens, at); };
-      const ToPixels pixels = to_pixels(camera, s, [&](Vec2 at) { return miss_of(camera, at); });
-      const Vec2 miss = miss_of(camera, s);
-      centre_residuals_[i] = pixels(miss);
-      Rows rows(2, static_cast<Eigen::Index>(n));
-      for (std::size_t k = 0; k < n; ++k) {
-        const Vec2 p = pixels((1 / free_[k]->step) * (miss_of(moved[k], s) - miss));
-        rows.col(static_cast<Eigen::Index>(k)) << p.x, p.y;
-      }
-      take(corners_.size() + i, rows, centre_residuals_[i], kNoPose);
-    }
-  }
-
-  void add(const Rows& rows, Vec2 residual, std::size_t pose) {
-    const Eigen::Vector2d r(residual.x, residual.y);
-    const Eigen::MatrixXd square = rows.transpose() * rows;
-    const auto n = static_cast<Eigen::Index>(free_.size());
-    square_.topLeftCorner(n, n) += square.topLeftCorner(n, n);
-    if (pose != kNoPose) {
-      const Eigen::Index at = first_of(pose);
-      square_.block(0, at, n, 6) += square.topRightCorner(n, 6);
-      square_.block(at, 0, 6, n) += square.bottomLeftCorner(6, n);
-      square_.block(at, at, 6, 6) += square.bottomRightCorner(6, 6);
-    }
-    add_product(rows, residual, pose, right_);
-    cost_ += r.squaredNorm();
-  }
-
-  /// Adds the transposed derivatives times what a pixel moves by.
-  void add_product(const Rows& rows, Vec2 moves, std::size_t pose, Eigen::VectorXd& sum) const {
-    const Eigen::VectorXd product = rows.transpose() * Eigen::Vector2d(moves.x, moves.y);
-    const auto n = static_cast<Eigen::Index>(free_.size());
-    sum.head(n) += product.head(n);
-    if (pose != kNoPose) sum.segment(first_of(pose), 6) += product.tail(6);
-  }
-
-  Eigen::Index first_of(std::size_t pose) const {
-    return static_cast<Eigen::Index>(free_.size() + 6 * pose);
-  }
-
-  void apply(const Eigen::VectorXd& change) {
-    for (std::size_t k = 0; k < free_.size(); ++k)
-      free_[k]->of(spec_) += units_[k] * change(static_cast<Eigen::Index>(k));
-    for (std::size_t p = 0; p < poses_.size(); ++p) {
-      const auto at = static_cast<Eigen::Index>(free_.size() + 6 * p);
-      poses_[p].rotation =
-          turned_by(poses_[p].rotation, {change(at), change(at + 1), change(at + 2)});
-      poses_[p].translation =
-          poses_[p].translation + Vec3{change(at + 3), change(at + 4), change(at + 5)};
-    }
-  }
-
-  CameraSpec spec_;
-  const std::vector<CornerObservation>& corners_;
-  const std::vector<CentreObservation>& centres_;
-  std::vector<LensIndex> lenses_;
-  std::vector<bool> used_;
-  std::map<int, std::size_t> pose_index_;
-  std::vector<RigidTransform> poses_;
-  std::vector<const FreeValue*> free_;
-  std::vector<double> units_;
-  Eigen::MatrixXd square_;
-  Eigen::VectorXd right_;
-  double cost_ = 0;
-  std::vector<Vec2> residuals_, centre_residuals_;
-};
-
-}  // namespace
-
-namespace {
 
 /// @throws InputError where what was seen lies neither on the sensor nor within a micro-image of
 /// it, whose edge may cut off the part where the centre or, with noise, a corner is
@@ -521,6 +59,81 @@ void check_plausible(const CameraSpec& start, const std::vector<const FreeValue*
         found.corner_rms, rms_of_start, what_to_do));
 }
 
+/// Some corners of each pose, and some centres: enough to choose where to start.
+GeometryObservations thinned(const GeometryObservations& seen) {
+  constexpr std::size_t kCornersOfPose = 100, kCentres = 500;
+  std::map<int, std::size_t> count, number;
+  for (const CornerObservation& corner : seen.corners) ++count[corner.pose];
+  GeometryObservations some;
+  some.radii = seen.radii;
+  for (const CornerObservation& corner : seen.corners)
+    if (number[corner.pose]++ % (1 + count[corner.pose] / kCornersOfPose) == 0)
+      some.corners.push_back(corner);
+  for (std::size_t i = 0; i < seen.centres.size(); i += 1 + seen.centres.size() / kCentres)
+    some.centres.push_back(seen.centres[i]);
+  return some;
+}
+
+void solve_poses(GeometryFit& fit, const Execution& execution) {
+  fit.start_poses();
+  fit.solve({}, execution);
+  fit.turn_poses_over(execution);
+}
+
+/// The camera with the poses. A better camera tells more about the poses. @return count of steps
+int solve_from_start(GeometryFit& fit, const std::vector<const FreeValue*>& free,
+                     const Execution& execution) {
+  int steps = fit.solve(free, execution);
+  for (int round = 0; round < kMostTurns && fit.turn_poses_over(execution); ++round)
+    steps += fit.solve(free, execution);
+  return steps + fit.solve(free, execution);
+}
+
+/// The camera of the focal length from which a part of the observations is explained best. The
+/// plane in focus stays.
+CameraSpec best_start(const CameraSpec& spec, const GeometryObservations& seen,
+                      const std::vector<const FreeValue*>& free, const Execution& execution) {
+  const bool is_free = std::any_of(free.begin(), free.end(), [](const FreeValue* value) {
+    return std::string(value->key) == "camera.lens.focal_length";
+  });
+  if (!is_free) return spec;
+  const GeometryObservations some = thinned(seen);
+  const double focus = GeometryFit::plane_in_focus(Camera(spec));
+  CameraSpec best = spec;
+  double least = 0;
+  for (const double factor : {1.0, 0.93, 1.07}) {
+    CameraSpec start = spec;
+    start.lens.focal_length *= factor;
+    start.focus.lens_distance = 1 / (1 / start.lens.focal_length - 1 / focus);
+    if (factor == 1) start.focus.lens_distance = spec.focus.lens_distance;
+    try {
+      GeometryFit fit(start, some);
+      solve_poses(fit, execution);
+      solve_from_start(fit, free, execution);
+      constexpr double kBetter = 0.99;  // or the first one remains
+      if (factor != 1 && !(fit.misfit() < kBetter * least)) continue;
+      least = fit.misfit();
+      best = start;
+    } catch (const InputError&) {  // a camera that cannot be
+      if (factor == 1) throw;
+    }
+  }
+  return best;
+}
+
+/// Finds what corners have in common beside the camera. These are places of the board's points, and
+/// displacements outwards in their micro-images, which differ between types, and from the radii.
+int loosen(GeometryFit& fit, const GeometryObservations& seen, const Execution& execution) {
+  double reach = 0;
+  for (const CornerObservation& corner : seen.corners)
+    reach = std::max(reach, length(corner.board));
+  constexpr double kBoard = 1e-3, kOutwards = 0.03;  // where deviations start
+  int steps = fit.loosen(&Looseness::board, kBoard * reach, execution);
+  if (fit.types() > 1 || seen.radii)
+    steps += fit.loosen(&Looseness::outwards, kOutwards, execution);
+  return steps;
+}
+
 }  // namespace
 
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
@@ -552,19 +165,20 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   // Distortion that is not there yet begins with the plane in focus.
   if (spec.lens.distortion.none() || (finds_plane && !std::isfinite(spec.lens.distortion.distance)))
     spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);
-  GeometryFit fit(spec, corners, centres);
-  fit.start_poses();
-  fit.solve({}, execution);
-  fit.turn_poses_over(execution);
-  const double rms_of_start = fit.corner_rms();
+  GeometryObservations seen{corners, centres, {}};
+  if (!settings.radii.empty()) seen.radii = radii_slope(settings.radii, settings.f_number);
   // Without distortion nothing tells of its plane: that comes last.
   std::vector<const FreeValue*> found = free;
   if (finds_plane) found.erase(found.begin() + (plane - free.begin()));
-  int steps = fit.solve(found, execution);
-  // A better camera tells more about the poses.
-  for (int round = 0; round < kMostTurns && fit.turn_poses_over(execution); ++round)
-    steps += fit.solve(found, execution);
-  steps += fit.solve(found, execution);
+  GeometryFit fit(spec, seen);
+  solve_poses(fit, execution);
+  const double rms_of_start = fit.corner_rms();
+  if (const CameraSpec start_of_fit = best_start(spec, seen, found, execution);
+      start_of_fit.lens.focal_length != spec.lens.focal_length) {
+    fit = GeometryFit(start_of_fit, seen);
+    solve_poses(fit, execution);
+  }
+  int steps = solve_from_start(fit, found, execution);
   fit.check_determined();
   const auto solve_all = [&] {
     steps += fit.solve(found, execution);
@@ -582,9 +196,15 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   if (finds_plane) solve_all();
   if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0) solve_all();
   fit.check_determined();
+  const double conflict = fit.radii_conflict();
+  steps += loosen(fit, seen, execution);
   GeometryCalibration result = fit.result(steps, settings.pupil);
   check_plausible(spec, found, rms_of_start, result);
   result.camera.array.diameter = std::min(start.array.diameter, result.camera.array.pitch);
+  if (result.radii) {
+    result.radii->conflict = conflict;
+    set_focal_lengths(result.camera, seen.radii->blur);
+  }
   return result;
 }
 

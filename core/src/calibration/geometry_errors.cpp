@@ -58,13 +58,10 @@ OutwardsDisplacement outwards_displacement(const std::vector<FittedPoint>& point
   return found;
 }
 
-Eigen::MatrixXd geometry_covariance(const std::vector<FittedPoint>& points,
-                                    const Eigen::MatrixXd& square, std::size_t count,
-                                    double outwards, double pupil) {
-  const auto n = static_cast<Eigen::Index>(count);
-  const Eigen::Index size = square.rows();
-  // Values that the poses follow: the inverse's part for the values alone.
-  const auto solver = square.ldlt();
+Eigen::MatrixXd geometry_covariance(const FittedPoints& fitted, double outwards, double pupil) {
+  const Eigen::Index n = fitted.values, size = fitted.square.rows();
+  // Values that the other unknowns follow: the inverse's part for the values alone.
+  const auto solver = fitted.square.ldlt();
   const Eigen::MatrixXd inverse =
       solver.solve(Eigen::MatrixXd::Identity(size, size)).topRows(n).eval();
   // Each point moves the values; points of a group may err together.
@@ -73,13 +70,12 @@ Eigen::MatrixXd geometry_covariance(const std::vector<FittedPoint>& points,
   std::map<std::size_t, Eigen::VectorXd> by_board;
   Eigen::MatrixXd single = Eigen::MatrixXd::Zero(n, n), centres = single;
   Eigen::VectorXd by_outwards = Eigen::VectorXd::Zero(n), by_pupil = by_outwards;
-  for (const FittedPoint& point : points) {
+  for (const FittedPoint& point : fitted.points) {
     Eigen::Matrix<double, Eigen::Dynamic, 2> gain =
-        inverse.leftCols(n) * point.rows.leftCols(n).transpose();
-    if (point.pose != kNoPose) {
-      const auto at = n + static_cast<Eigen::Index>(6 * point.pose);
-      gain += inverse.middleCols(at, 6) * point.rows.rightCols(6).transpose();
-    }
+        Eigen::Matrix<double, Eigen::Dynamic, 2>::Zero(n, 2);
+    for (const FittedPoint::Block& block : point.blocks)
+      gain += inverse.middleCols(block.unknown, block.count) *
+              point.rows.middleCols(block.column, block.count).transpose();
     const auto moved = [&](Vec2 by) -> Eigen::VectorXd {
       return gain * Eigen::Vector2d(by.x, by.y);
     };
@@ -105,7 +101,7 @@ Eigen::MatrixXd geometry_covariance(const std::vector<FittedPoint>& points,
     return (sum * (g / std::max(1.0, g - 1))).eval();
   };
   // The residuals have fewer degrees of freedom than there are points.
-  const double rows = 2 * static_cast<double>(points.size());
+  const double rows = 2 * static_cast<double>(fitted.points.size());
   const double fewer = rows / std::max(1.0, rows - static_cast<double>(size));
   Eigen::MatrixXd found = fewer * (single + centres);
   const Eigen::VectorXd deviation = found.diagonal().cwiseSqrt();
@@ -115,6 +111,16 @@ Eigen::MatrixXd geometry_covariance(const std::vector<FittedPoint>& points,
       if (deviation(k) > 0)
         scale(k) = std::max(scale(k), std::sqrt(other(k, k) + centres(k, k)) / deviation(k));
   found = (scale.asDiagonal() * found * scale.asDiagonal()).eval();
+  // Loose values and radii have errors of their own.
+  for (const LooseValue& loose : fitted.loose) {
+    const Eigen::VectorXd gain = std::sqrt(loose.weight) * inverse.col(loose.unknown);
+    found += fitted.noise2 * gain * gain.transpose();
+  }
+  if (fitted.radii.size() > 0) {
+    const Eigen::VectorXd gain = inverse * fitted.radii;
+    found += fitted.noise2 * gain * gain.transpose();
+    by_pupil += fitted.radii_by_pupil * gain;
+  }
   found += outwards * outwards * by_outwards * by_outwards.transpose();
   found += pupil * pupil * by_pupil * by_pupil.transpose();
   return found;

@@ -8,7 +8,8 @@ namespace plenoflame {
 struct LatticeCell {
   std::vector<Vec2> neighbours;  ///< [pixel] half of all: the others are opposite
   double reach = 0;              ///< [pixel] to the corners of a cell
-  explicit LatticeCell(const LatticeGuess& guess);
+  double background = 0;         ///< of the picture, where no micro-image is
+  LatticeCell(const LatticeGuess& guess, const Image& white);
   bool holds(Vec2 d) const;
 };
 

@@ -18,6 +18,26 @@ namespace {
 
 using Places = std::map<std::pair<int, int>, MicroImageFit>;  ///< by j, then i
 
+/// Mean of values, and its standard error.
+class Mean {
+ public:
+  void add(double value) {
+    sum_ += value;
+    squares_ += value * value;
+    ++count_;
+  }
+  std::size_t size() const { return count_; }
+  double value() const { return sum_ / n(); }
+  double error() const {
+    return std::sqrt(std::max(squares_ / n() - value() * value(), 0.0) / n());
+  }
+
+ private:
+  double n() const { return static_cast<double>(std::max<std::size_t>(count_, 1)); }
+  double sum_ = 0, squares_ = 0;
+  std::size_t count_ = 0;
+};
+
 double middle_of(std::vector<double> values) {
   if (values.empty()) return 0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -282,25 +302,25 @@ class LatticeMeasurer {
 
  public:
   static std::vector<TypeLooks> looks_of(const std::vector<MicroImageFit>& images, int types) {
-    std::vector<TypeLooks> looks(static_cast<std::size_t>(types));
-    std::vector<double> radius2(looks.size()), blur2(looks.size());
+    Vec2 low{1e300, 1e300}, high{-1e300, -1e300};
     for (const MicroImageFit& image : images) {
-      if (!image.good) continue;
-      const auto t = static_cast<std::size_t>(image.type);
-      looks[t].radius += image.radius;
-      looks[t].blur += image.blur;
-      radius2[t] += image.radius * image.radius;
-      blur2[t] += image.blur * image.blur;
-      ++looks[t].count;
+      low = {std::min(low.x, image.model.x), std::min(low.y, image.model.y)};
+      high = {std::max(high.x, image.model.x), std::max(high.y, image.model.y)};
     }
-    for (std::size_t t = 0; t < looks.size(); ++t) {
-      const auto n = static_cast<double>(std::max<std::size_t>(looks[t].count, 1));
-      looks[t].radius /= n;
-      looks[t].blur /= n;
-      looks[t].radius_error =
-          std::sqrt(std::max(radius2[t] / n - looks[t].radius * looks[t].radius, 0.0) / n);
-      looks[t].blur_error =
-          std::sqrt(std::max(blur2[t] / n - looks[t].blur * looks[t].blur, 0.0) / n);
+    const Vec2 middle = 0.5 * (low + high);
+    const double reach = 0.25 * length(high - low);  // farther out the lens' barrel cuts light off
+    std::vector<TypeLooks> looks(static_cast<std::size_t>(types));
+    for (int t = 0; t < types; ++t) {
+      Mean radius, blur, even;
+      for (const MicroImageFit& image : images) {
+        if (!image.good || image.type != t) continue;
+        radius.add(image.radius);
+        blur.add(image.blur);
+        if (length(image.model - middle) <= reach) even.add(image.even_radius);
+      }
+      looks[static_cast<std::size_t>(t)] = {radius.value(), blur.value(), radius.error(),
+                                            blur.error(),   even.value(), even.error(),
+                                            radius.size()};
     }
     return looks;
   }
@@ -318,7 +338,7 @@ class LatticeMeasurer {
 
 WhiteLattice measure_white(const Image& white, const Execution& execution) {
   const LatticeGuess guess = find_lattice(white);
-  const LatticeCell cell(guess);
+  const LatticeCell cell(guess, white);
   return LatticeMeasurer(
              guess, white.width, white.height,
              [&](const MicroImageFit& start) { return fit_micro_image(white, cell, start); },
@@ -359,7 +379,7 @@ WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int
 
 std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
                                 const Execution& execution) {
-  const LatticeCell cell(lattice.guess);
+  const LatticeCell cell(lattice.guess, white);
   // The stop's image is smaller or larger: its size in the middle of the picture is asked for
   // first.
   const double radius = find_lattice(white).radius;

@@ -21,8 +21,8 @@ struct TestedModel {
   std::span<const Suspect> corrected;
 };
 
-/// Tests what the pictures say of exposure, stray light, place, turn and focus of each camera, and
-/// of the absorption, with the flame free to follow (docs/theory/reconstruction.md). Quantities
+/// Tests what the pictures say of the absorption, and of exposure, stray light, place, turn and
+/// focus of each camera. The flame is free to follow (docs/theory/reconstruction.md). Quantities
 /// that explain the misfit are named, one after the other, until no other is significant. Exposures
 /// are told by several cameras only. Cameras that are compiled are not displaced, nor are those
 /// that cannot be.

@@ -34,8 +34,7 @@ namespace plenoflame {
 namespace {
 
 /// Shares of the work, for progress, at which the rays are drawn, the strength is chosen and the
-/// solution is found; the deviations take the rest. Where the model is tested all of that is a
-/// share of the whole.
+/// solution is found. The deviations take the rest. A test of the model takes a fifth of the whole.
 constexpr double kDrawingShare = 0.05, kChosen = 0.4, kSolved = 0.45, kUntested = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;

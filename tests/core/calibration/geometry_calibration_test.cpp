@@ -87,7 +87,13 @@ struct Seen {
 struct Deviations {
   double pupil = 0;  ///< the lens' distance from the array over the exit pupil's is 1 + pupil
   double outwards[3] = {0, 0, 0};  ///< relative displacement of corners, by type of microlens
+  double wave = 0;                 ///< [m] by which the board leaves its plane
 };
+
+/// How far the board's point leaves its plane: two waves along x, one along y.
+double wave_at(const Deviations& deviations, Vec2 board) {
+  return deviations.wave * (std::sin(240 * board.x) + 0.5 * std::cos(150 * board.y));
+}
 
 Seen observe(const CameraSpec& s, int poses, double noise, double tilts = 1,
              const Deviations& deviations = {}) {
@@ -115,7 +121,7 @@ Seen observe(const CameraSpec& s, int poses, double noise, double tilts = 1,
     for (int i = -3; i <= 3; ++i)
       for (int j = -2; j <= 2; ++j) {
         const Vec2 board{7e-3 * i, 7e-3 * j};
-        const Vec3 p = turn * Vec3{board.x, board.y, 0} + place;
+        const Vec3 p = turn * Vec3{board.x, board.y, wave_at(deviations, board)} + place;
         for (std::size_t k = 0; k < lenses.size(); ++k) {
           const Vec2 c = lattice.centre(lenses[k]);
           Vec2 at = s.lens.distortion.none() ? thin_projection(s, p, c) : bent_projection(s, p, c);
@@ -214,7 +220,7 @@ TEST(GeometryCalibration, RefusesWhatRanAway) {
   } catch (const InputError& error) {
     message = error.what();
   }
-  EXPECT_NE(message.find("ran away: camera.array.sensor_distance went from 150 um to 4"),
+  EXPECT_NE(message.find("ran away: camera.array.sensor_distance went from 150 um to 399.9 um"),
             std::string::npos)
       << message;
 }
@@ -384,6 +390,105 @@ TEST(GeometryCalibration, ErrorsHoldCornersThatLieOutwards) {
   EXPECT_TRUE(relative(found.outwards[2] - found.outwards[1], 0.01, 0.1));
   EXPECT_GT(found.outwards_scatter, 0.01);
   EXPECT_LT(found.outwards_scatter, 0.03);
+}
+
+// A printed board is not flat. The fit finds its points, where noise does not explain them.
+TEST(GeometryCalibration, FindsABoardThatIsNotFlat) {
+  GeometrySettings settings;
+  settings.pupil = 0;
+  const Deviations bent{0, {}, 0.3e-3};
+  const Seen seen = observe(truth(), 7, 0.05, 1, bent);
+  const GeometryCalibration found =
+      calibrate_geometry(nominal(), every_third(seen.corners), seen.centres, settings);
+  EXPECT_TRUE(relative(found.corner_rms, std::sqrt(2.0) * 0.05, 0.1));
+  expect_stated_errors(found, truth());
+  // The shape, but for a plane of its own: heights against the wave, both without their planes.
+  ASSERT_EQ(found.board.size(), 35u);
+  Eigen::MatrixXd plane(35, 3);
+  Eigen::VectorXd heights(35), wave(35);
+  for (int k = 0; k < 35; ++k) {
+    const BoardPoint& point = found.board[static_cast<std::size_t>(k)];
+    plane.row(k) << 1, point.nominal.x, point.nominal.y;
+    heights(k) = point.offset.z;
+    wave(k) = wave_at(bent, point.nominal);
+  }
+  const auto without_plane = [&](const Eigen::VectorXd& v) -> Eigen::VectorXd {
+    return v - plane * plane.colPivHouseholderQr().solve(v);
+  };
+  const double rest = (without_plane(heights) - without_plane(wave)).norm();
+  EXPECT_LT(rest, 0.1 * without_plane(wave).norm());
+  const Seen flat = observe(truth(), 7, 0.05);
+  EXPECT_TRUE(calibrate_geometry(nominal(), every_third(flat.corners), flat.centres, settings)
+                  .board.empty());
+}
+
+// Noise moves the values to both sides alike: it does not stretch micro-images.
+TEST(GeometryCalibration, MuchNoiseDoesNotStretch) {
+  GeometrySettings settings;
+  settings.pupil = 0;
+  const Seen seen = observe(truth(), 7, 1.0);
+  const GeometryCalibration found =
+      calibrate_geometry(nominal(), seen.corners, seen.centres, settings);
+  for (const CalibratedValue& value : found.values)
+    EXPECT_TRUE(within_standard_errors(value.value, value_of(truth(), value.key), value.error, 3))
+        << value.key;
+}
+
+/// Radii of white micro-images: the stop's image, and a blur of its own for each type.
+std::vector<RadiusObservation> radii_of(const CameraSpec& s, const std::vector<double>& blur) {
+  std::vector<RadiusObservation> radii;
+  for (const double n : {4.0, 5.6, 8.0})
+    for (std::size_t t = 0; t < blur.size(); ++t) {
+      const double cone = s.lens.focal_length / n / s.focus.lens_distance;
+      const double stop = 0.5 * s.array.sensor_distance * cone / s.sensor.pixel_pitch;
+      radii.push_back({n, t, std::hypot(stop, blur[t]), 0.01});
+    }
+  return radii;
+}
+
+// Corners of all types lie outwards alike: they tell a longer sensor distance. Radii tell the true
+// one, and the focal length of the microlenses, which blurs them.
+TEST(GeometryCalibration, RadiiTellTheSensorDistance) {
+  GeometrySettings settings;
+  settings.pupil = 0;
+  const Seen seen = observe(truth(), 7, 0.05, 1, {0, {0.2, 0.2, 0.2}, 0});
+  const std::vector<CornerObservation> corners = every_third(seen.corners);
+  const double distance = truth().array.sensor_distance;
+  const auto distance_of = [](const GeometryCalibration& found) {
+    for (const CalibratedValue& value : found.values)
+      if (value.key == "camera.array.sensor_distance") return value;
+    return CalibratedValue();
+  };
+  const GeometryCalibration without =
+      calibrate_geometry(nominal(), corners, seen.centres, settings);
+  EXPECT_GT(distance_of(without).value, 1.08 * distance);
+  const double blur = 0.5 * truth().array.diameter / truth().sensor.pixel_pitch *
+                      std::fabs(1 - distance / 0.55e-3 + distance / truth().focus.lens_distance);
+  settings.radii = radii_of(truth(), {blur});
+  CameraSpec start = nominal();
+  start.array.types[0].focal_length = 0.52e-3;
+  const GeometryCalibration found = calibrate_geometry(start, corners, seen.centres, settings);
+  const CalibratedValue value = distance_of(found);
+  EXPECT_TRUE(within_standard_errors(value.value, distance, value.error, 2));
+  EXPECT_LT(value.error, 0.06 * distance);
+  EXPECT_TRUE(relative(found.camera.array.types[0].focal_length, 0.55e-3, 0.06));
+  ASSERT_TRUE(found.radii.has_value());
+  EXPECT_GT(found.radii->conflict, 2);
+}
+
+TEST(GeometryCalibration, RadiiTellASlope) {
+  const std::vector<double> blur{4, 5};
+  const RadiiSlope slope = radii_slope(radii_of(truth(), blur), 0.03);
+  const double expected = 0.5 * 0.4e-3 * 0.0502 / 0.0567 / 5.5e-6;
+  EXPECT_TRUE(relative(slope.slope, expected, 1e-9));
+  EXPECT_TRUE(relative(slope_of_radii(truth()), expected, 1e-9));
+  ASSERT_EQ(slope.blur.size(), 2u);
+  EXPECT_TRUE(relative(slope.blur[0], 4, 1e-9));
+  EXPECT_TRUE(relative(slope.blur[1], 5, 1e-9));
+  EXPECT_GT(slope.relative_error, 0.03);
+  EXPECT_LT(slope.relative_error, 0.031);
+  EXPECT_THROW(radii_slope({{4, 0, 7, 0.01}, {4, 1, 8, 0.01}}, 0.03), InputError);
+  EXPECT_THROW(radii_slope({{4, 0, 7, 0.01}, {8, 0, 8, 0.01}}, 0.03), InputError);
 }
 
 TEST(GeometryCalibration, WrongCornersAreLeftOut) {

@@ -27,9 +27,9 @@ namespace plenoflame::cli {
 namespace {
 
 struct GeometryArguments : CalibrationArguments {
-  std::string corners, output, centres, residuals, plot, poses;
+  std::string corners, output, centres, radii, residuals, plot, poses;
   std::vector<std::string> free;
-  double pupil = GeometrySettings().pupil;
+  double pupil = GeometrySettings().pupil, f_number = GeometrySettings().f_number;
 };
 
 int whole_number(double value, const std::string& path, int line) {
@@ -88,6 +88,28 @@ std::vector<CentreObservation> read_lens_centres(const std::string& path) {
         {{whole_number(row.values[0], path, row.line), whole_number(row.values[1], path, row.line)},
          {row.values[2], row.values[3]}});
   return centres;
+}
+
+/// The table of calibrate white --radii.
+std::vector<RadiusObservation> read_radii(const std::string& path, std::size_t types) {
+  std::vector<RadiusObservation> radii;
+  for (const NumberRow& row :
+       read_number_rows(path, 4, "a micro-image's radius: type,f_number,radius,error")) {
+    RadiusObservation radius;
+    const int type = whole_number(row.values[0], path, row.line);
+    radius.f_number = row.values[1];
+    radius.radius = row.values[2];
+    radius.error = row.values[3];
+    if (type < 0 || static_cast<std::size_t>(type) >= types)
+      throw InputError(SourcePosition{path, row.line},
+                       fmt::format("type {}: the camera's types are 0 to {}", type, types - 1));
+    if (!(radius.f_number > 0 && radius.radius > 0 && radius.error >= 0))
+      throw InputError(SourcePosition{path, row.line},
+                       "f-number and radius are above 0, the error is not below 0");
+    radius.type = static_cast<std::size_t>(type);
+    radii.push_back(radius);
+  }
+  return radii;
 }
 
 std::string value_text(const CalibratedValue& value) {
@@ -187,6 +209,25 @@ void warn_of_outwards(const GeometryCalibration& found) {
       100 * found.outwards_scatter, types));
 }
 
+/// Warns where radii and corners contradict each other.
+void warn_of_radii(const RadiiMatch& radii) {
+  constexpr double kMost = 2;  // standard deviations
+  if (std::fabs(radii.conflict) < kMost) return;
+  warn(
+      fmt::format("the corners alone predict radii of micro-images that differ by {:+.1f} % from "
+                  "the observed ones, {:.1f} standard deviations: the corners lie {} in their "
+                  "micro-images, or the f-numbers are not those of the pictures",
+                  100 * radii.conflict * radii.relative_error, std::fabs(radii.conflict),
+                  radii.conflict > 0 ? "outwards" : "inwards"));
+}
+
+/// The largest distance of the board's points from their nominal places [m].
+double most_aside(const GeometryCalibration& found) {
+  double most = 0;
+  for (const BoardPoint& point : found.board) most = std::max(most, length(point.offset));
+  return most;
+}
+
 /// Warns of a focal length that the lens' name does not have.
 void warn_of_focal_length(double nominal, double found) {
   constexpr double kMost = 0.05;  // lenses are within 2 % of their names
@@ -240,6 +281,9 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   GeometrySettings settings;
   settings.free = arguments.free;
   settings.pupil = arguments.pupil;
+  settings.f_number = arguments.f_number;
+  if (!arguments.radii.empty())
+    settings.radii = read_radii(arguments.radii, start.scene.camera.array.types.size());
   const GeometryCalibration found =
       calibrate_geometry(start.scene.camera, corners, centres, settings, execution);
   Scene scene = start.scene;
@@ -259,6 +303,19 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
     report.add("micro-image centres",
                fmt::format("{}, {:.4f} pixels {}", found.centres, found.centre_rms, kRmsOfBoth),
                "centre_rms_pixel", found.centre_rms);
+  if (const std::optional<RadiiMatch>& radii = found.radii) {
+    report.add("radii times f-number",
+               fmt::format("{:.4g} +- {:.2g} pixels, by the camera {:.4g}", radii->observed,
+                           radii->observed * radii->relative_error, radii->predicted),
+               "radii_pixel", {radii->observed, radii->predicted});
+    report.add_json("radii_error", radii->relative_error);
+    report.add_json("radii_conflict", radii->conflict);
+  }
+  if (!found.board.empty())
+    report.add("the board",
+               fmt::format("points up to {} from their nominal places",
+                           readable(most_aside(found), Dimension::length)),
+               "board_m", most_aside(found));
   nlohmann::json values;
   for (const CalibratedValue& value : found.values) {
     report.add_text(value.key.substr(7), value_text(value));
@@ -283,6 +340,7 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
     if (value.key.find("array.tilt") != std::string::npos)
       warn_of_tilt(value.key, value.value, value.error);
   warn_of_outwards(found);
+  if (found.radii) warn_of_radii(*found.radii);
   warn_of_focal_length(start.scene.camera.lens.focal_length, found.camera.lens.focal_length);
   if (const std::string names = hardly_known(found); !names.empty())
     warn("these poses hardly tell " + names +
@@ -338,6 +396,16 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
           "Table of the micro-images' centres in white pictures, that of calibrate white or "
           "q,r,column,row; place and tilt of the array are searched for, too")
       ->option_text("FILE.csv");
+  command
+      .add_option("--radii", a->radii,
+                  "Table of the radii of white micro-images at several f-numbers, of calibrate "
+                  "white --radii; they tell the distance from array to sensor")
+      ->option_text("FILE.csv");
+  command
+      .add_option("--f-number-error", a->f_number,
+                  "Relative standard deviation of the f-numbers of --radii, which they share")
+      ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
   command
       .add_option("--free", a->free,
                   "What is searched for, in place of the usual: keys with commas between, such as "

@@ -32,7 +32,7 @@ namespace {
 
 struct WhiteArguments : CalibrationArguments {
   std::vector<std::string> white, dark;
-  std::string output, centres, picture, pixel_pitch, mosaic;
+  std::string output, centres, radii, picture, pixel_pitch, mosaic;
   bool no_tilt = false;
 };
 
@@ -110,6 +110,8 @@ class WhiteRun {
   int run() {
     check_options();
     const std::vector<Aperture> apertures = apertures_of(arguments_.white);
+    if (!arguments_.radii.empty() && apertures.size() < 2)
+      throw UsageError("--radii: give white pictures at two f-numbers or more (4=FILE 8=FILE)");
     if (!arguments_.camera.empty())
       document_ = read_scene_of_camera(arguments_.camera, arguments_.set, arguments_.which);
     if (arguments_.white.size() == 1 && arguments_.white[0].ends_with(".csv")) return run_centres();
@@ -135,7 +137,7 @@ class WhiteRun {
                       lattice_.good, lattice_.images.size(), apertures[0].files[0]));
     warn_of_overlap(apertures[0].files[0]);
     fit_camera();
-    write(white);
+    write(white, apertures);
     print(apertures);
     return kSuccess;
   }
@@ -166,7 +168,7 @@ class WhiteRun {
       throw InputError("'" + file + "': " + error.what());
     }
     fit_camera();
-    write(Image());
+    write(Image(), {});
     print({{0, {file}}});
     return kSuccess;
   }
@@ -176,9 +178,9 @@ class WhiteRun {
     if (!arguments_.output.empty() && arguments_.camera.empty() && arguments_.pixel_pitch.empty())
       throw UsageError(
           "-o: the array's lengths take the size of a pixel: give --camera or --pixel-pitch");
-    if (arguments_.output.empty() && arguments_.centres.empty() && arguments_.picture.empty() &&
-        !arguments_.json)
-      warn("nothing is written: -o, --centres and --picture name files");
+    if (arguments_.output.empty() && arguments_.centres.empty() && arguments_.radii.empty() &&
+        arguments_.picture.empty() && !arguments_.json)
+      warn("nothing is written: -o, --centres, --radii and --picture name files");
     if (!arguments_.pixel_pitch.empty()) {
       pixel_ = quantity_option("--pixel-pitch", arguments_.pixel_pitch, Dimension::length);
       if (!(pixel_ > 0 && pixel_ <= kLargestPixel))
@@ -187,7 +189,8 @@ class WhiteRun {
     }
     if (!arguments_.picture.empty() && !arguments_.picture.ends_with(".png"))
       throw UsageError("--picture: '" + arguments_.picture + "' must end in .png");
-    for (const std::string* file : {&arguments_.output, &arguments_.centres, &arguments_.picture})
+    for (const std::string* file :
+         {&arguments_.output, &arguments_.centres, &arguments_.radii, &arguments_.picture})
       if (!file->empty()) check_writable(*file);
   }
 
@@ -246,7 +249,7 @@ class WhiteRun {
       std::rotate(looks.begin(), looks.begin() + shift, looks.end());
   }
 
-  void write(const Image& white) const {
+  void write(const Image& white, const std::vector<Aperture>& apertures) const {
     FileSet files;
     if (!arguments_.output.empty())
       files.write(arguments_.output, [&](const std::string& name) {
@@ -261,11 +264,35 @@ class WhiteRun {
     if (!arguments_.centres.empty())
       files.write(arguments_.centres,
                   [&](const std::string& name) { write_file(name, centres_csv(lattice_, fit_)); });
+    if (!arguments_.radii.empty()) {
+      const std::string text = radii_csv(apertures);
+      files.write(arguments_.radii, [&](const std::string& name) { write_file(name, text); });
+    }
     if (!arguments_.picture.empty())
       files.write(arguments_.picture, [&](const std::string& name) {
         write_png(name, white_picture(white, &lattice_));
       });
     files.commit();
+  }
+
+  /// Radii for calibrate geometry. A cell of overlapping micro-images holds light of several.
+  std::string radii_csv(const std::vector<Aperture>& apertures) const {
+    constexpr double kMostReach = 0.53;  // of the pitch; from half of it on they touch
+    std::string text = "type,f_number,radius,error\n";
+    for (std::size_t a = 0; a < looks_.size(); ++a) {
+      double reach = 0;
+      for (std::size_t t = 0; t < looks_[a].size(); ++t)
+        reach = std::max(reach, whole_radius(a, t));
+      if (reach > kMostReach * lattice_.guess.pitch()) {
+        warn(fmt::format("micro-images of '{}' overlap: '{}' does not contain their radii",
+                         apertures[a].files.front(), arguments_.radii));
+        continue;
+      }
+      for (std::size_t t = 0; t < looks_[a].size(); ++t)
+        text += fmt::format("{},{:g},{:.5f},{:.5f}\n", t, apertures[a].f_number,
+                            looks_[a][t].even_radius, looks_[a][t].even_error);
+    }
+    return text;
   }
 
   void print(const std::vector<Aperture>& apertures) const {
@@ -474,6 +501,12 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->check(written())
       ->option_text("FILE.toml");
   command.add_option("--centres", a->centres, "Table of all micro-images (.csv)")
+      ->check(written())
+      ->option_text("FILE");
+  command
+      .add_option(
+          "--radii", a->radii,
+          "Table of the micro-images' radii at each f-number (.csv), for calibrate geometry")
       ->check(written())
       ->option_text("FILE");
   command

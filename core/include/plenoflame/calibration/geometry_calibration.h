@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/calibration/white_radii.h"
 #include "plenoflame/camera/microlens_lattice.h"
 #include "plenoflame/math/vector.h"
 #include "plenoflame/scene/camera_spec.h"
@@ -50,13 +51,32 @@ struct GeometrySettings {
   /// the chief rays cross in the middle of the lens, where the quotient is 1. In a real lens they
   /// cross elsewhere. 0 for a thin lens with its stop.
   double pupil = 0.3;
+  /// Radii of white micro-images, which tell how far the sensor is from the array.
+  std::vector<RadiusObservation> radii;
+  double f_number = 0.03;  ///< relative standard deviation of what all f-numbers share
 };
 
-/// The covariance has three parts:
+/// A point of the board that does not lie at its nominal place.
+struct BoardPoint {
+  Vec2 nominal;  ///< [m] on the board
+  Vec3 offset;   ///< [m] from there
+};
+
+/// The radii of white micro-images against the camera.
+struct RadiiMatch {
+  double observed = 0, predicted = 0;  ///< [pixel] slope over 1/N, of RadiiSlope
+  double relative_error = 0;           ///< standard deviation of the observed one
+  double conflict = 0;  ///< corners alone against radii, in standard deviations of the radii
+};
+
+/// The covariance has four parts:
 /// - The scatter of the residuals: the largest of three estimates for each value, in which single
 ///   corners, micro-images or boards err independently.
 /// - The displacement of the corners outwards in their micro-images (outwards_scatter).
 /// - The place of the exit pupil (GeometrySettings::pupil).
+/// - Values beside the camera's that explain more than noise. They are a
+///   displacement outwards for each type of microlens, and places of the board's points. Their
+///   standard deviations follow from the observations. Radii have the error that is given.
 struct GeometryCalibration {
   CameraSpec camera;
   std::vector<BoardPose> poses;
@@ -65,10 +85,13 @@ struct GeometryCalibration {
   double corner_rms = 0;                        ///< [pixel] of both coordinates together
   double centre_rms = 0;
   std::size_t corners = 0, centres = 0, left_out = 0;
-  /// Mean residual of the corners outwards, over their distance from the middle of their
+  /// Mean displacement of the corners outwards, over their distance from the middle of their
   /// micro-image; for each type of microlens.
   std::vector<double> outwards;
-  double outwards_scatter = 0;  ///< over types and distances, beyond noise
+  double outwards_scatter = 0;    ///< over types and distances, beyond noise
+  std::vector<BoardPoint> board;  ///< empty: noise explains how the board differs from its pattern
+  double board_deviation = 0;     ///< [m] standard deviation of a coordinate of its points
+  std::optional<RadiiMatch> radii;
   /// Residuals of the corners, observed - predicted [pixel]; NaN where it was left out.
   std::vector<Vec2> residuals;
   int steps = 0;

@@ -17,10 +17,11 @@ struct MicroImageFit {
   Vec2 centre;        ///< as measured
   double radius = 0;  ///< at which the light has fallen to a half: the geometric image of the stop
   double blur = 0;    ///< half the width of the edge: how far the stop's image is out of focus
-  double light = 0;   ///< in the middle
-  double rms = 0;     ///< of the fit's residuals, in units of `light`
-  bool good = false;  ///< takes part in the model
-  Vec2 model;         ///< centre by the global model
+  double even_radius = 0;  ///< of the even disc with the second moment of the light in the cell
+  double light = 0;        ///< in the middle
+  double rms = 0;          ///< of the fit's residuals, in units of `light`
+  bool good = false;       ///< takes part in the model
+  Vec2 model;              ///< centre by the global model
   int type = 0;
 };
 
@@ -44,6 +45,7 @@ struct LatticeModel {
 struct TypeLooks {
   double radius = 0, blur = 0;              ///< [pixel] mean over its micro-images
   double radius_error = 0, blur_error = 0;  ///< standard errors of the means
+  double even_radius = 0, even_error = 0;   ///< the same, of micro-images in the picture's middle
   std::size_t count = 0;
 };
 

@@ -18,10 +18,10 @@ std::vector<double> light_outside(const std::vector<CameraView>& views,
                                   const std::vector<Measurement>& measurements,
                                   const CameraRays& rays, int bin);
 
-/// The block along the world's axes that holds what all cameras see in common of their light, but
-/// for less than kLightCut of it, and a tenth of its sides more on each side. Cameras that look the
-/// same way tell no depth. Then the flame is as deep as the known block, and at least as deep as it
-/// is wide or high.
+/// The block along the world's axes that holds what all cameras see in common of their light. It
+/// has a tenth of its sides more on each side. Less than kLightCut of the light is beside it.
+/// Cameras that look the same way tell no depth. Then the flame is as deep as the known block, and
+/// at least as deep as it is wide or high.
 /// @param views with drawn rays, of scenes in which nothing but flames shines
 /// @param known a block about the flame's middle; empty: the middle is where lines of sight meet,
 /// or where a single camera is focused

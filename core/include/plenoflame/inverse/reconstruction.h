@@ -117,8 +117,8 @@ struct Reconstruction {
   std::vector<double> resolved;
   double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not asked for
 
-  /// Of temperatures with fewer than kMostChained variables: how the posterior differs from that of
-  /// the linearised problem. Empty: it was not asked.
+  /// How the posterior of temperatures differs from that of the linearised problem. Empty: there
+  /// was no chain (kMostChained).
   std::optional<PosteriorChain> chain;
 
   std::vector<char> solved;  ///< 0: the unknown was known to be empty

@@ -68,7 +68,8 @@ Vec3 meeting_point(const std::vector<CameraView>& views) {
   return {point[0], point[1], point[2]};
 }
 
-/// What a row sees, in coordinates of the plane through the middle across the line of sight.
+/// The place that a row sees, in coordinates of the plane through the middle across the line of
+/// sight.
 struct LitRow {
   Vec2 at;
   double flux, variance;
