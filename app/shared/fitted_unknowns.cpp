@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "options.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/inverse/flame_block.h"
 #include "plenoflame/inverse/light_behind.h"
 
@@ -18,6 +19,13 @@ bool holds(const Box& box, const Box& other) {
   return side(box.lower.x, box.upper.x, other.lower.x, other.upper.x, margin.x) &&
          side(box.lower.y, box.upper.y, other.lower.y, other.upper.y, margin.y) &&
          side(box.lower.z, box.upper.z, other.lower.z, other.upper.z, margin.z);
+}
+
+/// Its rays are drawn before the progress of the solution begins.
+Execution without_progress(const Execution& execution) {
+  Execution quiet = execution.threads_only();
+  quiet.stop = execution.stop;
+  return quiet;
 }
 
 }  // namespace
@@ -40,21 +48,36 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
   const std::vector<CameraView> views = windowed(cameras.views(), measurements);
   for (const CameraView& view : views)
     if (shines_without_flames(*view.scene)) return {};
+  const Execution quiet = without_progress(execution);
   Box box = block_of(request, cameras.first());
   if (!box.empty()) {
     CameraRaySettings how;
     how.samples = 4;
-    const CameraRays rays = rays_of_form(OperatorForm::automatic, views, box, how, execution);
+    const CameraRays rays = rays_of_form(OperatorForm::automatic, views, box, how, quiet);
     const std::vector<double> outside = light_outside(views, measurements, rays, how.bin);
     if (std::ranges::all_of(outside, [](double share) { return share <= kLightCut; })) return {};
   } else if (!request.centre.empty()) {
     const auto [x, y, z] = point_option("--center", request.centre);
     box = {{x, y, z}, {x, y, z}};
   }
-  const Box found = block_of_light(views, measurements, box, execution);
+  const Box found = block_of_light(views, measurements, box, quiet);
   // Stray light passes beside every block.
   if (!box.empty() && holds(box, found)) return {};
   return found;
+}
+
+std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<CameraView>& views,
+                               const std::vector<Measurement>& measurements, const Box& known,
+                               const Execution& execution) {
+  if (std::ranges::all_of(figures.light_outside, [](double share) { return share <= kLightCut; }))
+    return {};
+  try {
+    return block_of_light(views, measurements, known, without_progress(execution));
+  } catch (const InputError&) {
+    return {};
+  } catch (const Cancelled&) {
+    return {};
+  }
 }
 
 FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& cameras,
@@ -65,7 +88,7 @@ FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& 
   how.samples = 4;
   how.channel = static_cast<int>(cameras.channels[0]);
   const std::vector<CameraView> views = windowed(cameras.views(), measurements);
-  const CameraRays rays = draw_camera_rays(views, box, how, execution);
+  const CameraRays rays = draw_camera_rays(views, box, how, without_progress(execution));
   FlameAxis start;
   start.base = 0.5 * (box.lower + box.upper);
   start.direction = {0, 0, 1};

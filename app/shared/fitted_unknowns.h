@@ -20,6 +20,12 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
                                 const std::vector<Measurement>& measurements,
                                 const Execution& execution);
 
+/// A block that holds the flame, where that of the unknowns cuts it; empty also where the pictures
+/// do not tell it, and after a stop.
+std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<CameraView>& views,
+                               const std::vector<Measurement>& measurements, const Box& known,
+                               const Execution& execution);
+
 /// The rings' axis by the pictures. It begins with that of the request, or upright in the middle of
 /// the block. @throws InputError as fit_axis() @throws Cancelled
 FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& cameras,

@@ -12,7 +12,6 @@
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
-#include "plenoflame/inverse/flame_block.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
 #include "reconstruct_verdict.h"
@@ -401,11 +400,9 @@ ReconstructResult Reconstructor::frame(
     result.settled = refinement_->settled;
   }
   settings_.strength = result.figures.strength;
-  const bool cut = std::ranges::any_of(result.figures.light_outside,
-                                       [](double share) { return share > kLightCut; });
-  if (cut && !any_compiled(cameras_))
-    result.uncut_block =
-        block_of_light(windowed(views(), corrected[0]), corrected[0], unknowns_->bounds(), rest);
+  if (!any_compiled(cameras_))
+    result.uncut_block = uncut_block(result.figures, windowed(views(), corrected[0]), corrected[0],
+                                     unknowns_->bounds(), rest);
   for (const Measurement& measurement : measurements[0])
     result.scale_error = std::max(result.scale_error, measurement.scale_error);
   return result;
@@ -525,10 +522,15 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, const Ex
   settings.probes = std::min(settings.probes, 4);
   settings.strength = -1;
   settings.watch = nullptr;
-  Reconstruction tested = reconstruct(input, settings, execution);
-  result.figures.suspects = std::move(tested.suspects);
-  result.figures.light_outside = std::move(tested.light_outside);
-  result.figures.complete = tested.complete;
+  try {
+    Reconstruction tested = reconstruct(input, settings, execution);
+    result.figures.suspects = std::move(tested.suspects);
+    result.figures.light_outside = std::move(tested.light_outside);
+  } catch (const InputError&) {
+    return;  // nothing absorbs that the pictures see
+  } catch (const Cancelled&) {
+    return;  // temperatures and deviations are all there
+  }
 }
 
 Report Reconstructor::report(const ReconstructResult& result, const std::string& output,

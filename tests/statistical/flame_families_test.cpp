@@ -162,8 +162,30 @@ TEST(ModelTest, NamesWhatIsWrong) {
   expect_named(SuspectKind::focus, 0.01);
   trial = {Family::candle, true, 1, 8000, 8, 0};
   expect_named(SuspectKind::right, 0.5e-3);
-  trial = {Family::candle, true, 2, 20000, 8, 200};
-  expect_named(SuspectKind::absorption, 0.5);
+}
+
+// Light from behind tells the absorption of a thick flame, where several cameras see it.
+TEST(ModelTest, NamesAWrongAbsorption) {
+  ReconstructionSettings settings;
+  settings.draws = 1;
+  settings.test_model = true;
+  settings.probes = 4;
+  FamilyTrial trial{Family::blobs, false, 3, 20000, 8, 200};
+  const auto absorption = [&] {
+    const std::vector<Suspect> suspects = reconstruct_family(trial, settings).suspects;
+    const auto found = std::ranges::find(suspects, SuspectKind::absorption, &Suspect::kind);
+    return found == suspects.end() ? Suspect{} : *found;
+  };
+  const Suspect right = absorption();
+  EXPECT_FALSE(right.named);
+  trial.wrong = SuspectKind::absorption;
+  trial.by = 0.3;
+  const Suspect wrong = absorption();
+  std::printf("absorption: %.2g +- %.1g, and right %.2g +- %.1g\n", wrong.estimate, wrong.deviation,
+              right.estimate, right.deviation);
+  EXPECT_EQ(wrong.kind, SuspectKind::absorption);
+  EXPECT_TRUE(wrong.named);
+  EXPECT_TRUE(relative(wrong.estimate, trial.by, 0.4));
 }
 
 /// Pictures of a flame by sharp cameras around it, with the noise of a sensor.
