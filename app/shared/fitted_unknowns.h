@@ -20,7 +20,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
                                 const std::vector<Measurement>& measurements,
                                 const Execution& execution);
 
-/// A block that holds the flame, where that of the unknowns cuts it; empty also where the pictures
+/// A block that holds the flame, where that of the unknowns cuts it. Empty also where the pictures
 /// do not tell it, and after a stop.
 std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<CameraView>& views,
                                const std::vector<Measurement>& measurements, const Box& known,

@@ -477,17 +477,17 @@ class Reconstruct(CommandTest):
     def test_refine_moves_the_axis_of_rings(self):
         run = ("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr", *self.REFINE)
         found, _ = self.reconstruct(*run, "--refine", "axis", "-o", "moved.vdb")
-        self.assertAlmostEqual(found["axis"]["point"][1], 0.5e-3, delta=0.05e-3)
+        self.assertLess(abs(found["axis"]["point"][1] / 0.5e-3 - 1), 0.1)
         self.assertFalse([one for one in found["suspects"] if one["named"] and one["quantity"] == "right"])
 
     def test_cameras_are_tested_with_temperatures(self):
         found, warnings = self.reconstruct("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr",
                                            *self.REFINE, "--absorption", "scene", "--find", "temperature", "-o", "hot.vdb")
         named = {one["quantity"]: one["estimate"] for one in found["suspects"] if one["named"]}
-        self.assertAlmostEqual(named["right"], 0.5e-3, delta=0.1e-3)
+        self.assertLess(abs(named["right"] / 0.5e-3 - 1), 0.2)
         self.assertIn("The axis is", warnings)
         # The temperature is nearly linear in the light.
-        self.assertAlmostEqual(found["chain_width"], 1, delta=0.2)
+        self.assertLess(abs(math.log(found["chain_width"])), 0.2)
         self.assertGreater(found["chain_accepted"], 0.5)
 
     # The candle of the pictures shines from -5.4 mm to 5.4 mm around (1 m, 0), and from -15.8 mm to 15.8 mm.
@@ -508,7 +508,7 @@ class Reconstruct(CommandTest):
             self.assertLess(size, 3 * half)
         # The axis of rings is fitted with the block.
         rings, _ = self.reconstruct("front-alone.toml", "--images", "front-electrons.exr", *self.REFINE, "-o", "rings.vdb")
-        self.assertAlmostEqual(rings["axis"]["point"][1], 0, delta=0.05e-3)
+        self.assertLess(abs(rings["axis"]["point"][1]), 0.01 * 5.4e-3)
         # A block that was asked for is taken, and the one that holds the flame is told.
         cut, warnings = self.reconstruct(*run, "--center", "1 m, 0 m, 0 m", "--size", "8 mm, 8 mm, 16 mm", "-o", "cut.vdb")
         self.assertNotIn("block", cut)

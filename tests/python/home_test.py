@@ -70,7 +70,7 @@ class Home(PackageTest):
 
     def test_code_of_the_page_runs(self):
         """docs/scripting.md, with a smaller picture."""
-        page = (ROOT / "docs" / "scripting.md").read_text().split("## At home in NumPy and notebooks")[1]
+        page = (ROOT / "docs" / "scripting.md").read_text().split("## NumPy, xarray and notebooks")[1]
         code = page.split("```python\n")[1].split("```")[0].replace('plenoflame.Scene("examples/lenslets-30.toml")', "small.copy()")
         with contextlib.redirect_stderr(io.StringIO()), warnings.catch_warnings():
             warnings.simplefilter("ignore")

@@ -37,6 +37,8 @@ constexpr int kLinearisations = 3, kTrialSteps = 4;
 constexpr double kTrusted = 10;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
+/// Times that a Markov chain is wider than the linearised problem. Its steps tell less by chance.
+constexpr double kWider = 1.2;
 
 /// A model's derivative with regard to scaled variables, stored where memory suffices.
 class ScaledDerivative final : public LinearOperator {
@@ -474,7 +476,7 @@ class ThermalSolver {
     double wider = 1;
     if (chained) {
       figures.chain = chain_of(std::move(kept), factor, steps.moving, explained);
-      wider = std::max(1.0, figures.chain->width);
+      if (figures.chain->width > kWider) wider = figures.chain->width;
     }
     for (std::size_t j = 0; j < n; ++j) {
       estimate.temperature_deviation.push_back(wider * std::sqrt(temperature[j]));

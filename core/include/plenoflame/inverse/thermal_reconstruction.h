@@ -56,10 +56,9 @@ struct ThermalReconstruction {
 /// on the renderer's own formulas (thermal_model.h): what linear reconstructions begin. The penalty
 /// acts on temperatures and on the logarithms of absorptions, with the same relative strength.
 /// Deviations and resolution are those of the linearised problem, by probing. With fewer than
-/// kMostChained variables a Markov chain tells how much wider the posterior is, and deviations are
-/// larger by that. The strength is
-/// chosen on the problem linearised about an approximate solution, twice: rays are followed some
-/// ten times, however many strengths are tried.
+/// kMostChained variables a Markov chain checks them. If it is wider by more than a fifth,
+/// deviations are larger by that. The strength is chosen on the problem linearised about an
+/// approximate solution, twice: rays are followed some ten times, however many strengths are tried.
 /// A stop keeps what was reached: temperatures, or the emission of the linear reconstruction.
 /// Filters in the pupil are colours, too: with parts of two colours one channel tells both.
 /// @throws UsageError: the absorption is solved for with one colour only, which knows no more than
