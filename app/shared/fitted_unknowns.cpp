@@ -1,6 +1,7 @@
 #include "fitted_unknowns.h"
 
 #include <algorithm>
+#include <exception>
 
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -11,7 +12,7 @@ namespace plenoflame {
 namespace {
 
 bool holds(const Box& box, const Box& other) {
-  constexpr double kMargin = 0.05;
+  constexpr double kMargin = 0.1;  // a block by the pictures has one of a twelfth of its sides
   const Vec3 margin = kMargin * (other.upper - other.lower);
   const auto side = [](double lower, double upper, double least, double most, double beyond) {
     return lower <= least + beyond && upper >= most - beyond;
@@ -53,6 +54,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
   if (!box.empty()) {
     CameraRaySettings how;
     how.samples = 4;
+    how.channel = static_cast<int>(cameras.channels[0]);
     const CameraRays rays = rays_of_form(OperatorForm::automatic, views, box, how, quiet);
     const std::vector<double> outside = light_outside(views, measurements, rays, how.bin);
     if (std::ranges::all_of(outside, [](double share) { return share <= kLightCut; })) return {};
@@ -60,23 +62,30 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
     const auto [x, y, z] = point_option("--center", request.centre);
     box = {{x, y, z}, {x, y, z}};
   }
-  const Box found = block_of_light(views, measurements, box, quiet);
-  // Stray light passes beside every block.
-  if (!box.empty() && holds(box, found)) return {};
-  return found;
+  const auto channel = static_cast<int>(cameras.channels[0]);
+  try {
+    const Box found = block_of_light(views, measurements, box, quiet, channel);
+    // Stray light passes beside every block.
+    if (!box.empty() && holds(box, found)) return {};
+    return found;
+  } catch (const InputError&) {
+    if (box.empty() || !(length(box.upper - box.lower) > 0)) throw;
+    return {};  // the block of the scene's flames is as good as any
+  }
 }
 
 std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<CameraView>& views,
                                const std::vector<Measurement>& measurements, const Box& known,
-                               const Execution& execution) {
+                               int channel, const Execution& execution) {
   if (std::ranges::all_of(figures.light_outside, [](double share) { return share <= kLightCut; }))
     return {};
   try {
-    return block_of_light(views, measurements, known, without_progress(execution));
-  } catch (const InputError&) {
-    return {};
-  } catch (const Cancelled&) {
-    return {};
+    const Box found =
+        block_of_light(views, measurements, known, without_progress(execution), channel);
+    if (holds(known, found)) return {};
+    return found;
+  } catch (const std::exception&) {
+    return {};  // the flame that was found is kept
   }
 }
 

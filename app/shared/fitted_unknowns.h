@@ -24,7 +24,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
 /// do not tell it, and after a stop.
 std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<CameraView>& views,
                                const std::vector<Measurement>& measurements, const Box& known,
-                               const Execution& execution);
+                               int channel, const Execution& execution);
 
 /// The rings' axis by the pictures. It begins with that of the request, or upright in the middle of
 /// the block. @throws InputError as fit_axis() @throws Cancelled

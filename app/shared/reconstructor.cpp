@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <numbers>
 #include <sstream>
 #include <utility>
@@ -336,8 +337,12 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   const bool no_axis = request_.unknowns.kind == "rings" && request_.unknowns.axis.empty() &&
                        request_.unknowns.fitted_block;
   if (request_.unknowns.fits_axis() || request_.refines_axis() || no_axis) {
-    const FlameAxis axis = fitted_axis(request_.unknowns, cameras, first[0], execution);
-    request_.unknowns.fitted_axis = {{axis.base, axis.direction}};
+    try {
+      const FlameAxis axis = fitted_axis(request_.unknowns, cameras, first[0], execution);
+      request_.unknowns.fitted_axis = {{axis.base, axis.direction}};
+    } catch (const InputError&) {
+      if (!no_axis) throw;
+    }
   }
   unknowns_ = unknowns_of(request_.unknowns, scene);
   const std::size_t quantities = request_.sought() == Sought::both ? 2 : 1;
@@ -402,7 +407,7 @@ ReconstructResult Reconstructor::frame(
   settings_.strength = result.figures.strength;
   if (!any_compiled(cameras_))
     result.uncut_block = uncut_block(result.figures, windowed(views(), corrected[0]), corrected[0],
-                                     unknowns_->bounds(), rest);
+                                     unknowns_->bounds(), settings_.rays.channel, rest);
   for (const Measurement& measurement : measurements[0])
     result.scale_error = std::max(result.scale_error, measurement.scale_error);
   return result;
@@ -522,14 +527,15 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, const Ex
   settings.probes = std::min(settings.probes, 4);
   settings.strength = -1;
   settings.watch = nullptr;
+  settings.test_absorption = !absorption_.empty();  // one that was found is not tested
   try {
     Reconstruction tested = reconstruct(input, settings, execution);
     result.figures.suspects = std::move(tested.suspects);
     result.figures.light_outside = std::move(tested.light_outside);
-  } catch (const InputError&) {
-    return;  // nothing absorbs that the pictures see
   } catch (const Cancelled&) {
     return;  // temperatures and deviations are all there
+  } catch (const std::exception& error) {
+    execution.warn(std::string("the cameras were not tested: ") + error.what());
   }
 }
 

@@ -482,7 +482,7 @@ class Reconstruct(CommandTest):
 
     def test_cameras_are_tested_with_temperatures(self):
         found, warnings = self.reconstruct("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr",
-                                           *self.REFINE, "--absorption", "scene", "--find", "temperature", "-o", "hot.vdb")
+                                           *self.REFINE, "--absorption", "scene", "--find", "temperature", "-o", "hot.vdb", "--draws", "12")
         named = {one["quantity"]: one["estimate"] for one in found["suspects"] if one["named"]}
         self.assertLess(abs(named["right"] / 0.5e-3 - 1), 0.2)
         self.assertIn("The axis is", warnings)

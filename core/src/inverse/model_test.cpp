@@ -250,7 +250,7 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
       }
     }
   }
-  if (model.emission->model == RowModel::source)
+  if (model.absorption && model.emission->model == RowModel::source)
     tests.add(SuspectKind::absorption, 0,
               change_by_absorption(model, kShareOfAbsorption, found.values, quiet));
   return tests.take();

@@ -17,6 +17,7 @@ struct TestedModel {
   CameraRaySettings rays;            ///< by which A's were drawn
   std::span<const double> light;     ///< A x
   std::span<const double> residual;  ///< b - A x
+  bool absorption = true;            ///< is tested, where it is known
   /// Quantities that were corrected: what is left of them is estimated with those that are named.
   std::span<const Suspect> corrected;
 };

@@ -537,9 +537,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
           CameraRaySettings how = settings.rays;
           how.keep = !result.drawn;
-          result.suspects = test_model(
-              {&problem, &views, &*weighted, how, explained, left, settings.corrected}, result,
-              {kLeastProbe, 1e-3}, part_of_progress(execution, kUntested, 1 - kUntested));
+          result.suspects = test_model({&problem, &views, &*weighted, how, explained, left,
+                                        settings.test_absorption, settings.corrected},
+                                       result, {kLeastProbe, 1e-3},
+                                       part_of_progress(execution, kUntested, 1 - kUntested));
         }
       }
       report_fraction(execution, 1);

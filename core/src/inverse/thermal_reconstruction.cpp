@@ -39,6 +39,9 @@ constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
 /// Times that a Markov chain is wider than the linearised problem. Its steps tell less by chance.
 constexpr double kWider = 1.2;
+constexpr int kLeastSteps = 10;
+/// Share of steps that are taken below which the chain tells no width.
+constexpr double kLeastAccepted = 0.2;
 
 /// A model's derivative with regard to scaled variables, stored where memory suffices.
 class ScaledDerivative final : public LinearOperator {
@@ -459,7 +462,7 @@ class ThermalSolver {
         deviation_factor(free, rows_, static_cast<double>(steps.moving.columns()));
     const double share = factor * factor / draws;
     std::vector<std::vector<double>> kept;
-    const bool chained = draws > 1 && x_.size() < kMostChained;
+    const bool chained = draws >= kLeastSteps && x_.size() < kMostChained;
     const auto add = [&](std::span<const double> moved) {
       if (chained) kept.emplace_back(moved.begin(), moved.end());
       for (std::size_t j = 0; j < n; ++j) {
@@ -475,8 +478,13 @@ class ThermalSolver {
     draw_posterior(problem, penalty, draws, 1, add, inner_, accuracy);
     double wider = 1;
     if (chained) {
-      figures.chain = chain_of(std::move(kept), factor, steps.moving, explained);
-      if (figures.chain->width > kWider) wider = figures.chain->width;
+      try {
+        figures.chain = chain_of(std::move(kept), factor, steps.moving, explained);
+        if (figures.chain->width > kWider && figures.chain->accepted > kLeastAccepted)
+          wider = figures.chain->width;
+      } catch (const Cancelled&) {
+        figures.complete = false;  // the deviations of the linearised problem are there
+      }
     }
     for (std::size_t j = 0; j < n; ++j) {
       estimate.temperature_deviation.push_back(wider * std::sqrt(temperature[j]));

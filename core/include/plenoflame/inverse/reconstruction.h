@@ -65,6 +65,7 @@ struct ReconstructionSettings {
   bool ray_noise = true;
   int draws = 30;           ///< of the posterior, for the standard deviations; 0: none
   bool test_model = false;  ///< suspect.h; it takes six solutions for each camera
+  bool test_absorption = true;
   /// Quantities that were corrected: the test estimates what is left of them.
   std::vector<Suspect> corrected;
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none

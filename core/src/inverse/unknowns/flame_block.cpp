@@ -14,6 +14,8 @@
 namespace plenoflame {
 namespace {
 
+constexpr const char* kNoLight =
+    "no light of a picture is above its noise: there is no flame to be found";
 /// Standard deviations above which light beside a block, and at the edge of the flame, is no noise.
 constexpr double kAboveNoise = 5, kEdge = 4;
 /// Share of the light beyond a side: four sides of several views are less than kLightCut.
@@ -111,7 +113,7 @@ std::pair<double, double> lit_interval(std::vector<LitRow> rows, double Vec2::*c
       variance += row->variance;
       if (flux > kCutAway * all && flux > kEdge * std::sqrt(variance)) return row->at.*coordinate;
     }
-    throw InputError("no light of a picture is above its noise: there is no flame to be found");
+    throw InputError(kNoLight);
   };
   return {edge(rows.begin(), rows.end()), edge(rows.rbegin(), rows.rend())};
 }
@@ -123,10 +125,11 @@ struct LitPyramid {
 };
 
 LitPyramid lit_pyramid(const CameraView& view, const Measurement& measurement, Vec3 middle,
-                       double reach, const Execution& execution) {
+                       double reach, int channel, const Execution& execution) {
   const Vec3 around{reach, reach, reach};
   CameraRaySettings how;
   how.samples = 4;
+  how.channel = channel;
   how.bin = static_cast<int>(
       std::max(1.0, std::sqrt(static_cast<double>(measurement.flux.pixels.size()) / kRows)));
   CameraView of_window = view;
@@ -160,6 +163,7 @@ LitPyramid lit_pyramid(const CameraView& view, const Measurement& measurement, V
   for (LitRow& row : rows) row.flux -= stray;
   const auto [left, rightmost] = lit_interval(rows, &Vec2::x);
   const auto [low, high] = lit_interval(rows, &Vec2::y);
+  if (left >= rightmost || low >= high) throw InputError(kNoLight);
   const auto side = [&](Vec3 across, double at, double sign) {
     const Vec3 normal = sign * (across - (at / distance) * look);
     return HalfSpace{normal, dot(normal, camera.position)};
@@ -243,7 +247,7 @@ std::vector<double> light_outside(const std::vector<CameraView>& views,
 
 Box block_of_light(const std::vector<CameraView>& views,
                    const std::vector<Measurement>& measurements, const Box& known,
-                   const Execution& execution) {
+                   const Execution& execution, int channel) {
   const Vec3 middle = known.empty() ? meeting_point(views) : 0.5 * (known.lower + known.upper);
   // The corners of the cube that is looked at stay in front of every camera.
   double reach = std::numeric_limits<double>::max();
@@ -252,7 +256,8 @@ Box block_of_light(const std::vector<CameraView>& views,
   std::vector<HalfSpace> sides;
   double across = std::numeric_limits<double>::max();
   for (std::size_t v = 0; v < views.size(); ++v) {
-    const LitPyramid pyramid = lit_pyramid(views[v], measurements[v], middle, reach, execution);
+    const LitPyramid pyramid =
+        lit_pyramid(views[v], measurements[v], middle, reach, channel, execution);
     sides.insert(sides.end(), pyramid.sides.begin(), pyramid.sides.end());
     across = std::min({across, pyramid.width, pyramid.height});
   }
