@@ -24,7 +24,8 @@ std::vector<double> light_outside(const std::vector<CameraView>& views,
 /// at least as deep as it is wide or high.
 /// @param views with drawn rays, of scenes in which nothing but flames shines
 /// @param known a block about the flame's middle; empty: the middle is where lines of sight meet,
-/// or where a single camera is focused @param channel of the scenes that was measured
+/// or where a single camera is focused.
+/// @param channel of the scenes that was measured
 /// @throws InputError where no light is above noise, where the cameras see no light in common, and
 /// where a camera is focused on infinity @throws Cancelled
 Box block_of_light(const std::vector<CameraView>& views,
