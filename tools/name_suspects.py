@@ -74,7 +74,7 @@ diameter = "120 mm"
 """
 GLASS = 'glass = "N-BK7"\nfresnel = true'
 GREY = 'index = 1\nabsorption = "17.1 1/m"'  # takes 5 %
-# What a report may name for each thing that is wrong.
+# Each fault and the quantities by which a report may name it.
 NAMES = {"nothing": set(), "shift": {"right"}, "exposure": {"exposure"}, "focus": {"focus", "forward"},
          "block": {"block"}, "glass": {"exposure", "forward"}}
 
