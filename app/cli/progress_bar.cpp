@@ -86,12 +86,13 @@ void ProgressBar::begin(const std::string& label) {
   label_ = label;
   last_ = {};
   begun_ = std::chrono::steady_clock::now();
+  fraction_ = 0;
 }
 
 /// [s] negative: not known yet.
 double ProgressBar::remaining(double fraction, std::chrono::steady_clock::time_point now) {
   constexpr double kLeastShare = 0.05, kLeastSeconds = 1;
-  if (fraction < fraction_) begun_ = now;
+  if (fraction < 0.5 * fraction_) begun_ = now;  // threads may report a little out of order
   fraction_ = fraction;
   const double taken = std::chrono::duration<double>(now - begun_).count();
   if (fraction < kLeastShare || taken < kLeastSeconds) return -1;

@@ -51,7 +51,7 @@ class ProgressBar {
   bool visible_ = false;
   std::string label_;
   std::chrono::steady_clock::time_point last_{}, begun_ = std::chrono::steady_clock::now();
-  double fraction_ = 0;  ///< of the last update: less than that is another part
+  double fraction_ = 0;  ///< of the last update: less than half of that is another part
   std::mutex mutex_;
 };
 

@@ -5,14 +5,18 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/flame_block.h"
 #include "plenoflame/inverse/light_behind.h"
 
 namespace plenoflame {
 namespace {
 
+/// True if a box holds the light of another one, which is by the pictures.
 bool holds(const Box& box, const Box& other) {
-  constexpr double kMargin = 0.1;  // a block by the pictures has one of a twelfth of its sides
+  // The block by the pictures has a twelfth of its sides beyond the light on each side. Blur and
+  // stray light may have as much.
+  constexpr double kMargin = 0.15;
   const Vec3 margin = kMargin * (other.upper - other.lower);
   const auto side = [](double lower, double upper, double least, double most, double beyond) {
     return lower <= least + beyond && upper >= most - beyond;
@@ -20,13 +24,6 @@ bool holds(const Box& box, const Box& other) {
   return side(box.lower.x, box.upper.x, other.lower.x, other.upper.x, margin.x) &&
          side(box.lower.y, box.upper.y, other.lower.y, other.upper.y, margin.y) &&
          side(box.lower.z, box.upper.z, other.lower.z, other.upper.z, margin.z);
-}
-
-/// Its rays are drawn before the progress of the solution begins.
-Execution without_progress(const Execution& execution) {
-  Execution quiet = execution.threads_only();
-  quiet.stop = execution.stop;
-  return quiet;
 }
 
 }  // namespace
@@ -49,7 +46,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
   const std::vector<CameraView> views = windowed(cameras.views(), measurements);
   for (const CameraView& view : views)
     if (shines_without_flames(*view.scene)) return {};
-  const Execution quiet = without_progress(execution);
+  const Execution quiet = without_reports(execution);
   Box box = block_of(request, cameras.first());
   if (!box.empty()) {
     CameraRaySettings how;
@@ -81,7 +78,7 @@ std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<
     return {};
   try {
     const Box found =
-        block_of_light(views, measurements, known, without_progress(execution), channel);
+        block_of_light(views, measurements, known, without_reports(execution), channel);
     if (holds(known, found)) return {};
     return found;
   } catch (const std::exception&) {
@@ -97,7 +94,7 @@ FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& 
   how.samples = 4;
   how.channel = static_cast<int>(cameras.channels[0]);
   const std::vector<CameraView> views = windowed(cameras.views(), measurements);
-  const CameraRays rays = draw_camera_rays(views, box, how, without_progress(execution));
+  const CameraRays rays = draw_camera_rays(views, box, how, without_reports(execution));
   FlameAxis start;
   start.base = 0.5 * (box.lower + box.upper);
   start.direction = {0, 0, 1};

@@ -499,8 +499,9 @@ ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
                               ratios[k], parts_of_stop(cameras_.channels[k])});
   ThermalSettings settings;
   settings.linear = settings_;
+  const bool tests = settings_.test_model && input.channels[0].parts.empty();
   ThermalReconstruction found =
-      reconstruct_thermal(input, settings, part_of_progress(execution, 0, kUntested));
+      reconstruct_thermal(input, settings, part_of_progress(execution, 0, tests ? kUntested : 1));
   ReconstructResult result;
   result.figures = std::move(found.figures);
   result.figures.resolved = std::move(found.resolved_temperature);
@@ -509,14 +510,16 @@ ReconstructResult Reconstructor::thermal(const FrameMeasurements& measurements,
   start_temperature_ = result.estimate.temperature;
   start_absorption_ = result.estimate.absorption;
   start_emission_ = result.estimate.emission;
-  if (result.figures.complete && settings_.test_model && input.channels[0].parts.empty())
-    test_thermal(measurements, part_of_progress(execution, kUntested, 1 - kUntested), result);
+  if (result.figures.complete && tests)
+    test_thermal(measurements, found.linear_strength,
+                 part_of_progress(execution, kUntested, 1 - kUntested), result);
   return result;
 }
 
 /// Tests the cameras by the emission of the first channel, with the absorption that was found.
-void Reconstructor::test_thermal(const FrameMeasurements& measurements, const Execution& execution,
-                                 ReconstructResult& result) const {
+/// @param strength of a linear reconstruction; negative: it is chosen
+void Reconstructor::test_thermal(const FrameMeasurements& measurements, double strength,
+                                 const Execution& execution, ReconstructResult& result) const {
   ReconstructionInput input = linear_input(measurements);
   input.absorption = result.estimate.absorption;
   input.start = samples_of(result.estimate.emission, input.absorption);
@@ -525,7 +528,7 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, const Ex
   ReconstructionSettings settings = settings_;
   settings.draws = 0;
   settings.probes = std::min(settings.probes, 4);
-  settings.strength = -1;
+  settings.strength = strength;
   settings.watch = nullptr;
   settings.test_absorption = !absorption_.empty();  // one that was found is not tested
   try {

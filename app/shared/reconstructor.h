@@ -96,8 +96,8 @@ class Reconstructor {
   void refine(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult linear(const FrameMeasurements& measurements, const Execution& execution);
   ReconstructResult thermal(const FrameMeasurements& measurements, const Execution& execution);
-  void test_thermal(const FrameMeasurements& measurements, const Execution& execution,
-                    ReconstructResult& result) const;
+  void test_thermal(const FrameMeasurements& measurements, double strength,
+                    const Execution& execution, ReconstructResult& result) const;
   std::vector<std::vector<ThermalPart>> parts_of_stop(std::size_t channel) const;
 
   ReconstructRequest request_;

@@ -2,6 +2,7 @@
 
 import gc
 import os
+import shutil
 import signal
 import sys
 import threading
@@ -10,7 +11,7 @@ import unittest.mock
 import numpy
 import scipy.optimize
 import scipy.sparse.linalg
-from package import PackageTest, main
+from package import ROOT, PackageTest, main
 
 import plenoflame
 
@@ -29,6 +30,27 @@ class Reconstruct(PackageTest):
     def setUp(self):
         super().setUp()
         self.small, self.picture, self.operator = self.scene_once, self.picture_once, self.operator_once
+
+    def test_block_is_that_of_the_flame_unless_it_cuts_the_pictures_light(self):
+        shutil.copy(ROOT / "examples" / "reconstruct-front.toml", self.folder)
+        self.command("flame", "candle", "-o", "candle.vdb")
+        candle = plenoflame.Scene(os.path.join(self.folder, "reconstruct-front.toml"))
+        picture = candle.render(32)
+        few = {"unknowns": "rings", "grid": (4, 5), "rays": 4, "draws": 0, "probes": 0}
+        self.assertNotIn("block", plenoflame.reconstruct(candle, picture, **few).figures)
+        stray = picture.copy()
+        flux = numpy.asarray(stray)
+        flux += 0.05 * flux.mean()  # 5 % of the light, the same everywhere
+        self.assertNotIn("block", plenoflame.reconstruct(candle, stray, **few).figures)
+        # The scene's flame stands beside that of the picture.
+        candle["flames[0].position"] = "1 m, 8 mm, -16 mm"
+        found = plenoflame.reconstruct(candle, picture, **few).figures["block"]
+        self.assertLess(abs(found["center"][1]), 0.1 * found["size"][1])
+        self.assertGreater(found["size"][1], 10.8e-3)  # the candle is as wide
+        # A block that is asked for is taken.
+        with self.assertWarnsRegex(RuntimeWarning, "The block cuts the flame"):
+            asked = plenoflame.reconstruct(candle, picture, **few, center=(1, 0.004, 0), size=(0.012, 0.012, 0.04))
+        self.assertNotIn("block", asked.figures)
 
     def test_directions_are_transposes_of_each_other_and_of_the_matrix(self):
         fresh = self.small.operator(**self.RINGS)

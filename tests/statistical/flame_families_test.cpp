@@ -134,14 +134,19 @@ TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
   EXPECT_GT(found.covered, 0.75);
 }
 
-// One camera of three is 5 % too bright or stands 0.5 mm aside, or the axis of rings is as far off:
-// it is named first, by the amount. Nothing is named where all is right. Of three cameras around
-// the flame the pictures do not tell which one stands aside: the block may move with the others.
-TEST(ModelTest, NamesWhatIsWrong) {
+ReconstructionSettings tested() {
   ReconstructionSettings settings;
   settings.draws = 1;
   settings.test_model = true;
   settings.probes = 4;
+  return settings;
+}
+
+// One camera of three is 5 % too bright or stands 0.5 mm aside, or the axis of rings is as far off:
+// it is named first, by the amount. Nothing is named where all is right. Of three cameras around
+// the flame the pictures do not tell which one stands aside: the block may move with the others.
+TEST(ModelTest, NamesWhatIsWrong) {
+  const ReconstructionSettings settings = tested();
   FamilyTrial trial{Family::blobs, false, 3, 8000, 8, 0};
   for (const Suspect& suspect : reconstruct_family(trial, settings).suspects)
     EXPECT_FALSE(suspect.named) << static_cast<int>(suspect.kind) << ' ' << suspect.view;
@@ -160,16 +165,14 @@ TEST(ModelTest, NamesWhatIsWrong) {
   expect_named(SuspectKind::right, 0.5e-3);
   expect_named(SuspectKind::turn, 0.05);
   expect_named(SuspectKind::focus, 0.01);
+  expect_named(SuspectKind::forward, 20e-3);
   trial = {Family::candle, true, 1, 8000, 8, 0};
   expect_named(SuspectKind::right, 0.5e-3);
 }
 
 // Light from behind tells the absorption of a thick flame, where several cameras see it.
 TEST(ModelTest, NamesAWrongAbsorption) {
-  ReconstructionSettings settings;
-  settings.draws = 1;
-  settings.test_model = true;
-  settings.probes = 4;
+  const ReconstructionSettings settings = tested();
   FamilyTrial trial{Family::blobs, false, 3, 20000, 8, 200};
   const auto absorption = [&] {
     const std::vector<Suspect> suspects = reconstruct_family(trial, settings).suspects;
@@ -194,7 +197,8 @@ struct SharpPictures {
   std::vector<CameraView> views;
   std::vector<Measurement> measurements;
 
-  SharpPictures(const Flame& flame, int cameras) {
+  /// @param electrons of the brightest pixel
+  SharpPictures(const Flame& flame, int cameras, double electrons = 8000) {
     const GlowingGrid grid = fine_grid({}, flame, 0.3e-3, 0.3e-3);
     const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
     for (int n = 0; n < cameras; ++n) {
@@ -215,7 +219,7 @@ struct SharpPictures {
       const RenderResult picture = render(scene, how);
       const LightFieldChannel& light = picture.light_field.channels[0];
       const double brightest = static_cast<double>(std::ranges::max(light.flux.pixels));
-      measurements.push_back(frame_of(light, brightest / 8000, 7 + measurements.size()));
+      measurements.push_back(frame_of(light, brightest / electrons, 7 + measurements.size()));
       views.push_back({&scene, {}});
     }
   }
@@ -224,9 +228,10 @@ struct SharpPictures {
 // The block holds 99 % of the flame's light, and is not much larger than the places that are
 // brighter than a fiftieth of the brightest. Nobody tells where the flame is.
 TEST(FlameBlock, HoldsTheLightOfThePictures) {
-  for (const int cameras : {1, 2, 3}) {
+  for (const auto& [cameras, electrons] :
+       {std::pair{1, 8000.0}, {2, 8000.0}, {3, 8000.0}, {3, 200.0}}) {
     const Flame flame = draw_flame(Family::blobs, cameras == 1, 11);
-    const SharpPictures pictures(flame, cameras);
+    const SharpPictures pictures(flame, cameras, electrons);
     const Box box = block_of_light(pictures.views, pictures.measurements, {});
     Box lit{{2, 1, 1}, {0, -1, -1}};
     constexpr int kSteps = 40;
@@ -259,7 +264,14 @@ TEST(FlameBlock, HoldsTheLightOfThePictures) {
 
 TEST(FlameBlock, RefusesPicturesWithoutLightInCommon) {
   SharpPictures pictures(draw_flame(Family::candle, true, 12), 2);
-  const auto block = [&] { return block_of_light(pictures.views, pictures.measurements, {}); };
+  const auto refused = [&]() -> std::string {
+    try {
+      block_of_light(pictures.views, pictures.measurements, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
   Image& first = pictures.measurements[0].flux;
   Image& second = pictures.measurements[1].flux;
   const Image kept = first;
@@ -269,10 +281,10 @@ TEST(FlameBlock, RefusesPicturesWithoutLightInCommon) {
       first.at(x, y) = y > 5 && 4 * y < first.height ? 1 : 0;
       second.at(x, y) = y < first.height - 5 && 4 * y > 3 * first.height ? 1 : 0;
     }
-  EXPECT_THROW(block(), InputError);
+  EXPECT_NE(refused().find("no light in common"), std::string::npos);
   first = kept;
   std::ranges::fill(second.pixels, 0.0F);
-  EXPECT_THROW(block(), InputError);
+  EXPECT_NE(refused().find("above its noise"), std::string::npos);
 }
 
 // Four cameras: one that is 5 % too bright, or stands 0.5 mm aside, is found by its error, and

@@ -214,8 +214,7 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
                                 const ProbeAccuracy& accuracy, const Execution& execution) {
   constexpr double kPartOfStep = 0.2;  // of the grid, that a camera is displaced by
   constexpr double kFocus = 1e-3, kShareOfAbsorption = 0.01;
-  Execution quiet = execution.threads_only();
-  quiet.stop = execution.stop;
+  const Execution quiet = without_reports(execution);
   ScoreTests tests(model, found, accuracy, quiet);
   const Unknowns& unknowns = *model.emission->unknowns;
   double least = 0, longest = 0;

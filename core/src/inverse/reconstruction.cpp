@@ -51,10 +51,10 @@ class Watch {
  public:
   Watch(const Execution& execution, double rows,
         std::function<void(const ReconstructionState&)> watch)
-      : execution_(execution), rows_(rows), watch_(std::move(watch)) {
-    inner_.threads = execution.threads;
-    inner_.stop = execution.stop;
-  }
+      : execution_(execution),
+        inner_(without_reports(execution)),
+        rows_(rows),
+        watch_(std::move(watch)) {}
   /// The next solutions, about so many of them, lead up to this share of the whole. Most end before
   /// their last iteration: each begins where the one before was to end.
   SolverOptions watched(SolverOptions options, const ScaledProblem& problem, double to, int count,
@@ -121,8 +121,7 @@ void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRa
                      const Execution& execution, MeasuredRows& measured) {
   if (parts.empty()) return;
   const RowPieces pieces = pieces_of(rays);
-  Execution quiet = execution.threads_only();
-  quiet.stop = execution.stop;
+  const Execution quiet = without_reports(execution);
   const auto task = [&](std::size_t piece, int) {
     RowRays of_rows(rays);
     for (const std::size_t i : pieces.of(piece)) {
@@ -431,8 +430,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     matrix = settings.assembly ? settings.assembly->matrix(problem, execution)
                                : make_emission_matrix(problem, execution);
   // A product that follows the rays takes long: a stop ends it in the middle.
-  Execution ending = quiet;
-  ending.stop = execution.stop;
+  const Execution ending = without_reports(execution);
   const std::unique_ptr<LinearOperator> multiplied =
       result.stored ? make_csr_operator(matrix, worthwhile_threads(matrix, quiet))
                     : make_emission_operator(problem, ending);

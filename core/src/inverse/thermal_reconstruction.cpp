@@ -14,6 +14,7 @@
 #include "inverse/step_penalty.h"
 #include "inverse/thermal_start.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/gauss_newton.h"
 #include "plenoflame/inverse/light_behind.h"
@@ -136,13 +137,15 @@ class ThermalSolver {
  public:
   ThermalSolver(const ThermalInput& input, const ThermalSettings& settings,
                 const Execution& execution)
-      : input_(input), settings_(settings), execution_(execution) {
-    inner_.threads = execution.threads;
-    inner_.stop = execution.stop;
-  }
+      : input_(input),
+        settings_(settings),
+        execution_(execution),
+        inner_(without_reports(execution)) {}
 
   ThermalReconstruction solve() {
     ThermalStart start = thermal_start(input_, settings_, kStartShare, execution_);
+    result_.linear_strength = start.strength;
+    result_.figures.light_outside = start.light_outside;
     if (!start.complete) return stopped(std::move(start));
     set_up_data(start);
     set_up_variables(start);

@@ -156,6 +156,8 @@ ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& set
   start.solved = first.solved;
   start.rays_error = first.rays_error;
   start.unseen = first.unseen;
+  start.strength = first.strength;
+  start.light_outside = first.light_outside;
   start.explained.push_back(first.explained);
   const double brightest = *std::max_element(first.values.begin(), first.values.end());
   const SourceFunction& source = one.source;

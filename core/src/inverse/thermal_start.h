@@ -14,6 +14,9 @@ struct ThermalStart {
   std::vector<char> solved;  ///< 0: known to be empty
   RayError rays_error;       ///< of the first channel's rows
   std::size_t unseen = 0;    ///< unknowns that no ray meets
+  /// The first linear reconstruction's; negative and empty: there was none.
+  double strength = -1;
+  std::vector<double> light_outside = {};
   /// Pictures of the first channels, as far as they were looked at: per view, at the first pixel
   /// of each row.
   std::vector<std::vector<Image>> explained = {};

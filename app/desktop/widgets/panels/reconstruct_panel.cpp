@@ -134,7 +134,8 @@ void ReconstructPanel::make_choices(QWidget* page) {
   centre_ = line("reconstructCentre", "",
                  tr("Middle of the grid in the world, such as \"1 m, 0 m, 0 m\""));
   size_ = line("reconstructSize", "", tr("Sides of the grid, such as \"60 mm, 60 mm, 90 mm\""));
-  for (QLineEdit* edit : {centre_, size_}) edit->setPlaceholderText(tr("of the scene's flames"));
+  for (QLineEdit* edit : {centre_, size_})
+    edit->setPlaceholderText(tr("of the scene's flames, or by the pictures"));
   rings_axis_ =
       line("reconstructRingsAxis", "",
            tr("Direction of the rings' axis, such as \"0 m, 0 m, 1 m\"; \"fit\": place and "

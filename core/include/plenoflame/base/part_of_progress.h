@@ -11,6 +11,13 @@ inline void report_fraction(const Execution& execution, double fraction) {
   execution.progress(progress);
 }
 
+/// As many threads and the same stop, for a step whose progress and messages nobody sees.
+inline Execution without_reports(const Execution& execution) {
+  Execution quiet = execution.threads_only();
+  quiet.stop = execution.stop;
+  return quiet;
+}
+
 /// The same with progress within a part of the whole. @param execution must outlive it
 inline Execution part_of_progress(const Execution& execution, double from, double share) {
   Execution part = execution;

@@ -63,9 +63,9 @@ struct ReconstructionSettings {
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).
   bool ray_noise = true;
-  int draws = 30;           ///< of the posterior, for the standard deviations; 0: none
-  bool test_model = false;  ///< suspect.h; it takes six solutions for each camera
-  bool test_absorption = true;
+  int draws = 30;               ///< of the posterior, for the standard deviations; 0: none
+  bool test_model = false;      ///< suspect.h; it takes seven solutions for each camera
+  bool test_absorption = true;  ///< with them, where the absorption is known
   /// Quantities that were corrected: the test estimates what is left of them.
   std::vector<Suspect> corrected;
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none

@@ -10,6 +10,7 @@
 
 #include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/lightfield/pixel_bins.h"
 #include "plenoflame/render/ray_stream.h"
@@ -384,8 +385,7 @@ CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box
 CameraRays counted_camera_rays(const std::vector<CameraView>& views, const Box& box,
                                CameraRaySettings settings, const Execution& execution) {
   settings.keep = false;
-  Execution quiet = execution.threads_only();
-  quiet.stop = execution.stop;
+  const Execution quiet = without_reports(execution);
   return draw_camera_rays(views, box, settings, quiet);
 }
 

@@ -6,6 +6,7 @@
 
 #include "inverse/operators/followed_rows.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 
 namespace plenoflame {
 namespace {
@@ -106,8 +107,7 @@ double least_entries(const EmissionProblem& problem, const std::vector<CameraVie
       sum.take([&](std::size_t, double) { ++entries[k]; });
     }
   };
-  Execution quiet = execution.threads_only();
-  quiet.stop = execution.stop;
+  const Execution quiet = without_reports(execution);
   for_pieces(quiet, count, task);
   double mean = 0, squares = 0;
   for (const double own : entries) mean += own / static_cast<double>(count);

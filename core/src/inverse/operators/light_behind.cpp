@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/render/ray_stream.h"
 
 namespace plenoflame {
@@ -72,8 +73,7 @@ std::vector<double> light_behind(const std::vector<CameraView>& views, const Cam
                                  const Unknowns& unknowns, const std::vector<double>& absorption,
                                  const CameraRaySettings& settings, const Execution& execution) {
   std::vector<double> light;
-  Execution quiet = execution.threads_only();
-  quiet.stop = execution.stop;
+  const Execution quiet = without_reports(execution);
   for (std::size_t v = 0; v < views.size(); ++v) {
     const CompiledScene& scene = *views[v].scene;
     if (!shines_without_flames(scene)) continue;

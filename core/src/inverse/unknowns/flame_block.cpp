@@ -161,8 +161,17 @@ LitPyramid lit_pyramid(const CameraView& view, const Measurement& measurement, V
   }
   const double stray = rows.empty() ? 0 : background(rows);
   for (LitRow& row : rows) row.flux -= stray;
-  const auto [left, rightmost] = lit_interval(rows, &Vec2::x);
-  const auto [low, high] = lit_interval(rows, &Vec2::y);
+  // Rows beside the flame have noise only: each interval is found within the other one.
+  const auto within = [&](double Vec2::*coordinate, std::pair<double, double> interval) {
+    std::vector<LitRow> some = rows;
+    std::erase_if(some, [&](const LitRow& row) {
+      return row.at.*coordinate < interval.first || row.at.*coordinate > interval.second;
+    });
+    return some;
+  };
+  const auto [left, rightmost] =
+      lit_interval(within(&Vec2::y, lit_interval(rows, &Vec2::y)), &Vec2::x);
+  const auto [low, high] = lit_interval(within(&Vec2::x, {left, rightmost}), &Vec2::y);
   if (left >= rightmost || low >= high) throw InputError(kNoLight);
   const auto side = [&](Vec3 across, double at, double sign) {
     const Vec3 normal = sign * (across - (at / distance) * look);
