@@ -254,7 +254,7 @@ TEST(FlameBlock, HoldsTheLightOfThePictures) {
         lit.upper = {std::max(lit.upper.x, at.x), std::max(lit.upper.y, at.y),
                      std::max(lit.upper.z, at.z)};
       }
-    EXPECT_GT(held, 0.99 * all);
+    EXPECT_GT(held, 0.99 * all) << cameras << " cameras, " << electrons;
     const Vec3 size = box.upper - box.lower, needed = lit.upper - lit.lower;
     EXPECT_LT(size.x, 1.6 * needed.x);
     EXPECT_LT(size.y, 1.6 * needed.y);

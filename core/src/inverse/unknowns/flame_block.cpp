@@ -17,7 +17,7 @@ namespace {
 constexpr const char* kNoLight =
     "no light of a picture is above its noise: there is no flame to be found";
 /// Standard deviations above which light beside a block, and at the edge of the flame, is no noise.
-constexpr double kAboveNoise = 5, kEdge = 4;
+constexpr double kAboveNoise = 5, kEdge = 4, kNearEdge = 2;
 /// Share of the light beyond a side: four sides of several views are less than kLightCut.
 constexpr double kCutAway = 0.15 * kLightCut;
 /// Rows of a view, about: blocks of pixels are put together until there are no more.
@@ -102,7 +102,9 @@ double background(const std::vector<LitRow>& rows) {
 }
 
 /// The interval of a coordinate that holds the light but for kCutAway on either side.
-std::pair<double, double> lit_interval(std::vector<LitRow> rows, double Vec2::*coordinate) {
+/// @param above noise, in standard deviations, that the light beyond an edge may be
+std::pair<double, double> lit_interval(std::vector<LitRow> rows, double Vec2::*coordinate,
+                                       double above) {
   std::ranges::sort(rows, {}, [&](const LitRow& row) { return row.at.*coordinate; });
   double all = 0;
   for (const LitRow& row : rows) all += row.flux;
@@ -111,7 +113,7 @@ std::pair<double, double> lit_interval(std::vector<LitRow> rows, double Vec2::*c
     for (auto row = begin; row != end; ++row) {
       flux += row->flux;
       variance += row->variance;
-      if (flux > kCutAway * all && flux > kEdge * std::sqrt(variance)) return row->at.*coordinate;
+      if (flux > kCutAway * all && flux > above * std::sqrt(variance)) return row->at.*coordinate;
     }
     throw InputError(kNoLight);
   };
@@ -161,17 +163,18 @@ LitPyramid lit_pyramid(const CameraView& view, const Measurement& measurement, V
   }
   const double stray = rows.empty() ? 0 : background(rows);
   for (LitRow& row : rows) row.flux -= stray;
-  // Rows beside the flame have noise only: each interval is found within the other one.
-  const auto within = [&](double Vec2::*coordinate, std::pair<double, double> interval) {
-    std::vector<LitRow> some = rows;
-    std::erase_if(some, [&](const LitRow& row) {
-      return row.at.*coordinate < interval.first || row.at.*coordinate > interval.second;
-    });
-    return some;
+  // Rows far from the flame have noise only, in which its edge would drown.
+  const auto wide = [](std::pair<double, double> interval) {
+    const double margin = 2 * kMargin * (interval.second - interval.first);
+    return std::pair{interval.first - margin, interval.second + margin};
   };
-  const auto [left, rightmost] =
-      lit_interval(within(&Vec2::y, lit_interval(rows, &Vec2::y)), &Vec2::x);
-  const auto [low, high] = lit_interval(within(&Vec2::x, {left, rightmost}), &Vec2::y);
+  const auto [first_x, last_x] = wide(lit_interval(rows, &Vec2::x, kEdge));
+  const auto [first_y, last_y] = wide(lit_interval(rows, &Vec2::y, kEdge));
+  std::erase_if(rows, [&](const LitRow& row) {
+    return row.at.x < first_x || row.at.x > last_x || row.at.y < first_y || row.at.y > last_y;
+  });
+  const auto [left, rightmost] = lit_interval(rows, &Vec2::x, kNearEdge);
+  const auto [low, high] = lit_interval(rows, &Vec2::y, kNearEdge);
   if (left >= rightmost || low >= high) throw InputError(kNoLight);
   const auto side = [&](Vec3 across, double at, double sign) {
     const Vec3 normal = sign * (across - (at / distance) * look);
