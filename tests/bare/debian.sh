@@ -19,6 +19,18 @@ bare_debian() {
   mv "$cache/made" "$cache/debian"
 }
 
+# has_overlays: false in a container whose own files are an overlay, on which there is no other one.
+has_overlays() {
+  local probe status=0
+  mkdir -p "$cache"
+  probe=$(mktemp -d "$cache/probe.XXXXXX")
+  mkdir "$probe"/{lower,upper,work,system}
+  mount -t overlay overlay -o "lowerdir=$probe/lower,upperdir=$probe/upper,workdir=$probe/work" "$probe/system" 2>/dev/null || status=1
+  [ "$status" -ne 0 ] || umount "$probe/system"
+  rm -rf --one-file-system "$probe"
+  return "$status"
+}
+
 # open_debian ROOT LAYER...: ROOT/system shows the layers, the last one on top, and keeps what is written in ROOT/written.
 open_debian() {
   local root=$1 lower= each

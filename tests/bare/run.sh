@@ -5,7 +5,7 @@
 #   tests/bare/run.sh --all    and builds: ./demo.sh to its pictures, pip install, ParaView's plugin, ./test.sh --quick
 #
 # The minimal system, what each way installs and the downloaded packages stay in ~/.cache/plenoflame/bare (XDG_CACHE_HOME).
-# Ends with 77, which skips the test, where it cannot be done: it wants root, mmdebstrap and the package registry.
+# Ends with 77, which skips the test, where it cannot be done: it wants root, mmdebstrap, overlays and the package registry.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 source_tree=$(cd "$here/../.." && pwd)
@@ -28,6 +28,7 @@ root=
 leave() { [ -z "$root" ] || { close_debian "$root" && rm -rf --one-file-system "$root"; }; }
 trap leave EXIT
 trap 'exit 1' INT TERM
+has_overlays || skip "no overlay can be mounted in $cache"
 bare_debian
 
 place="/srv/a folder"  # a path with a blank
