@@ -542,13 +542,12 @@ TEST(Reconstruction, TemperaturesWhereTheAbsorptionIsKnown) {
   rig.field = [&](Vec3 p) { return source(1600 + 100 * std::cos(400 * p.z)); };
   rig.set_truth();
   rig.settings.support = false;
-  struct Errors {
-    double worst = 0, mean = 0;
-  };
   const auto errors = [&](const ReconstructionInput& input) {
     const Reconstruction found = reconstruct(input, rig.settings);
     const FlameEstimate estimate = estimate_flame(found, *rig.unknowns, rig.absorption, source);
-    Errors out;
+    struct {
+      double worst = 0, mean = 0;
+    } out;
     double volume = 0;
     for (std::size_t j = 0; j < rig.truth.size(); ++j) {
       const std::size_t ring = j / 13;
