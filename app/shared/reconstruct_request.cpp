@@ -19,8 +19,8 @@ constexpr double kMostStrength = 1e12, kMostRelaxation = 2;
 
 std::map<std::string, ReconstructionSolver> solvers() {
   using enum ReconstructionSolver;
-  return {{"fista", fista}, {"nnls", active_set}, {"cgls", cgls}, {"lsqr", lsqr}, {"tv", tv},
-          {"sirt", sirt},   {"sart", sart},       {"mlem", mlem}, {"osem", osem}, {"mart", mart}};
+  return {{"fista", fista}, {"nnls", active_set}, {"cgls", cgls}, {"lsqr", lsqr}, {"sirt", sirt},
+          {"sart", sart},   {"mlem", mlem},       {"osem", osem}, {"mart", mart}};
 }
 
 std::map<std::string, OperatorForm> forms() {
@@ -79,11 +79,8 @@ void check_solver(const ReconstructRequest& request, ReconstructionSolver solver
     refuse(given(request.smoothing), "--smoothing",
            "means nothing to " + name + ", which has no penalty");
   }
-  const bool stops = solver == ReconstructionSolver::tv || !is_penalised(solver);
-  refuse(stops && !request.spreads.empty(), "--spread",
-         "is for penalties that are squares: " + name + " has no resolution matrix");
-  if (solver == ReconstructionSolver::tv && request.strength < 0)
-    throw UsageError("--solver tv needs --strength: usual values are 0.1 to 10");
+  refuse(!is_penalised(solver) && !request.spreads.empty(), "--spread",
+         "is for solvers with a penalty: " + name + " has no resolution matrix");
   const bool subsets = solver == ReconstructionSolver::sart || solver == ReconstructionSolver::osem;
   refuse(!subsets && !request.subsets.empty(), "--subsets", "is for sart and osem");
   const bool relaxed = solver == ReconstructionSolver::sirt ||
@@ -223,8 +220,7 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   for (const std::string& spread : request.spreads) point_option("--spread", spread);
   check_solver(request, result.solver);
   check_sought(request);
-  const bool posterior = is_penalised(result.solver) && result.solver != ReconstructionSolver::tv;
-  refuse(!request.refined().empty() && !posterior, "--refine",
+  refuse(!request.refined().empty() && !is_penalised(result.solver), "--refine",
          "tests the model against the penalty, which --solver " + request.solver + " has not");
   refuse(request.refines_axis() && request.unknowns.kind != "rings", "--refine axis",
          "is for rings, not for " + request.unknowns.kind);

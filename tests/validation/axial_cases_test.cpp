@@ -340,7 +340,7 @@ double trapped(double strength, bool trapping) {
   const double sigma = 0.01 * *std::max_element(b.begin(), b.end());
   for (std::size_t i = 0; i < b.size(); ++i) b[i] += sigma * NoiseStream(4, i).gaussian();
   const LinearOperator& a = trapping ? *full : *clear;
-  const auto penalty = make_penalty(PenaltyKind::second_differences, {{kRings, 1, 1}});
+  const auto penalty = make_penalty({{kRings, 1, 1}});
   SolverOptions options;
   options.iterations = 2000;
   options.relative_change = 1e-10;

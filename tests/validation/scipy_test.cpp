@@ -5,7 +5,6 @@
 #include <fstream>
 
 #include "plenoflame/inverse/emission_operator.h"
-#include "plenoflame/inverse/penalty.h"
 #include "plenoflame/inverse/solvers.h"
 #include "support/small_scene.h"
 #include "support/temporary_folder.h"
@@ -87,8 +86,14 @@ TEST(ExportedMatrix, SciPySolvesItAlike) {
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   const auto a = make_csr_operator(exported.matrix);
   const LinearProblem problem{a.get(), exported.b};
-  const auto identity =
-      make_penalty(PenaltyKind::identity, {{static_cast<int>(exported.matrix.columns()), 1, 1}});
+  CsrRows<float> ones;
+  for (std::size_t j = 0; j < exported.matrix.columns(); ++j) {
+    ones.counts.push_back(1);
+    ones.columns.push_back(static_cast<std::int32_t>(j));
+    ones.values.push_back(1);
+  }
+  const CsrMatrix<float> unit = join_rows<float>({ones}, ones.counts.size());
+  const auto identity = make_csr_operator(unit);
   const std::vector<double> lsqr = read_numbers(folder.file("lsqr.txt")),
                             nnls = read_numbers(folder.file("nnls.txt"));
   ASSERT_EQ(lsqr.size(), exported.matrix.columns());

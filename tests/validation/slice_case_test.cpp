@@ -46,6 +46,24 @@ CameraRays cameras(int count, double step, double half_angle) {
   return rows_of(rays);
 }
 
+/// Between neighbours that take part.
+CsrMatrix<float> first_differences(const PenaltyGrid& grid) {
+  CsrRows<float> rows;
+  const int width = grid.shape[1], count = grid.shape[0] * width;
+  const auto add = [&](int one, int other) {
+    if (!grid.mask[static_cast<std::size_t>(one)] || !grid.mask[static_cast<std::size_t>(other)])
+      return;
+    rows.counts.push_back(2);
+    rows.columns.insert(rows.columns.end(), {one, other});
+    rows.values.insert(rows.values.end(), {-1, 1});
+  };
+  for (int k = 0; k < count; ++k) {
+    if (k + width < count) add(k, k + width);
+    if (k % width + 1 < width) add(k, k + 1);
+  }
+  return join_rows<float>({rows}, static_cast<std::size_t>(count));
+}
+
 struct SliceErrors {
   double emission = 1e300, temperature = 0;
 };
@@ -90,7 +108,8 @@ SliceErrors reconstruct_slice(int count, double step_degrees, double half_degree
   }
   const CsrMatrix<float> matrix = make_emission_matrix(problem, {});
   const auto a = make_csr_operator(matrix);
-  const auto penalty = make_penalty(PenaltyKind::first_differences, grid);
+  const CsrMatrix<float> differences = first_differences(grid);
+  const auto penalty = make_csr_operator(differences);
   const double unit = a->squared_norm({}) / static_cast<double>(unknowns);
   SliceErrors best;
   std::vector<double> start;

@@ -340,8 +340,6 @@ void check_settings(const ReconstructionSettings& settings, const Unknowns& unkn
     throw InputError(std::to_string(unknowns.size()) +
                      " unknowns are too many for active sets, which take " +
                      std::to_string(kMostActiveSet) + " at most: use fista, or a coarser grid");
-  if (settings.solver == ReconstructionSolver::tv && settings.strength < 0)
-    throw UsageError("cross-validation is for penalties that are squares: tv needs a strength");
 }
 
 /// Unknowns in units of a typical value, those that few rays meet in larger ones; 0 for what is
@@ -526,8 +524,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
-      // Neither the end of an iteration nor total variation has a posterior.
-      if (weighted->has_penalty() && settings.solver != ReconstructionSolver::tv) {
+      // The end of an iteration has no posterior.
+      if (weighted->has_penalty()) {
         add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
         if (settings.test_model) {

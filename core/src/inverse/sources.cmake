@@ -1,6 +1,6 @@
 list(APPEND core_sources src/inverse/operators/linear_operator.cpp src/inverse/operators/csr_matrix.cpp src/inverse/operators/csr_file.cpp
   src/inverse/solvers/penalty.cpp src/inverse/solvers/iteration.cpp src/inverse/solvers/krylov.cpp src/inverse/solvers/nonnegative.cpp
-  src/inverse/solvers/row_action.cpp src/inverse/solvers/total_variation.cpp src/inverse/solvers/strength.cpp
+  src/inverse/solvers/row_action.cpp src/inverse/solvers/strength.cpp
   src/inverse/solvers/uncertainty.cpp src/inverse/solvers/posterior_chain.cpp src/inverse/solvers/gauss_newton.cpp
   src/inverse/unknowns/axis_fit.cpp src/inverse/unknowns/flame_block.cpp src/inverse/unknowns/layer_unknowns.cpp
   src/inverse/operators/camera_rays.cpp src/inverse/operators/light_behind.cpp src/inverse/operators/emission_operator.cpp src/inverse/unknowns/flame_estimate.cpp

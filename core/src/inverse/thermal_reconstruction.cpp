@@ -291,7 +291,7 @@ class ThermalSolver {
       std::vector<double> uniform(x_.size(), 0.0);
       for (std::size_t j = 0; j < unknowns(); ++j)
         uniform[part * unknowns() + j] = mask.empty() || mask[j] != 0 ? 1 : 0;
-      const double unit = penalty.unit(derivative, weights_, uniform);
+      const double unit = penalty_unit(derivative, weights_, uniform, penalty.reference);
       penalty_.add(std::move(penalty.l), std::sqrt(unit));
     }
   }

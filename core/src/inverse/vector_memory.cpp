@@ -19,10 +19,9 @@ constexpr double kMostStrengths = kLinearRange.points + 4;
 struct Work {
   double variables, penalty, rows;
 };
-constexpr Work kFista{7, 4, 6}, kKrylov{8, 4, 7}, kTotalVariation{8, 4, 6}, kPlain{7, 0, 6};
+constexpr Work kFista{7, 4, 6}, kKrylov{8, 4, 7}, kPlain{7, 0, 6};
 
 Work work_of(ReconstructionSolver solver) {
-  if (solver == ReconstructionSolver::tv) return kTotalVariation;
   if (!is_penalised(solver)) return kPlain;
   const bool krylov = solver == ReconstructionSolver::cgls || solver == ReconstructionSolver::lsqr;
   return krylov ? kKrylov : kFista;
@@ -30,7 +29,6 @@ Work work_of(ReconstructionSolver solver) {
 
 /// Rows of the penalty for each variable.
 double penalty_rows(const ReconstructionSettings& settings, const Unknowns& unknowns) {
-  if (settings.solver == ReconstructionSolver::tv) return 3;
   if (!is_penalised(settings.solver)) return 0;
   const auto shape = unknowns.shape();
   const auto axes = static_cast<double>(

@@ -23,8 +23,7 @@ struct Profile {
   TwinMatrix a = twin_of(matrix());
   std::vector<double> truth, b, w;
   std::unique_ptr<LinearOperator> op = make_csr_operator(a.sparse);
-  std::unique_ptr<LinearOperator> penalty =
-      make_penalty(PenaltyKind::second_differences, {{kSamples, 1, 1}});
+  std::unique_ptr<LinearOperator> penalty = make_penalty({{kSamples, 1, 1}});
 
   explicit Profile(unsigned seed = 1) {
     for (int j = 0; j < kSamples; ++j) truth.push_back(2 + std::sin(0.25 * j));
@@ -171,8 +170,7 @@ TEST(Uncertainty, ProbesAndDrawsAgreeWithDenseAlgebra) {
 // included. The scatter of noise alone is a good half of it. 5 standard errors of a variance.
 TEST(Uncertainty, DeviationsAreTheErrorsOfFlamesOfThePrior) {
   Profile p;
-  p.penalty = make_penalty(PenaltyKind::second_differences,
-                           {{Profile::kSamples, 1, 1}, {1, 1, 1}, {1, 1, 1}, {}, true});
+  p.penalty = make_penalty({{Profile::kSamples, 1, 1}, {1, 1, 1}, {1, 1, 1}, {}, true});
   const double strength = 2000;
   const Eigen::MatrixXd wa = p.a.dense / p.sigma, l = dense(*p.penalty);
   const Regularisation regularisation{p.penalty.get(), strength};
@@ -267,7 +265,7 @@ TEST_F(Exponential, BoundsAndPenaltyGiveAnOptimum) {
   NonlinearProblem p = problem();
   p.lower.assign(6, 0.3);
   p.upper.assign(6, 0.45);
-  const auto penalty = make_penalty(PenaltyKind::first_differences, {{6, 1, 1}});
+  const auto penalty = make_penalty({{6, 1, 1}});
   const Regularisation regularisation{penalty.get(), 0.5};
   const Solution s = solve_gauss_newton(p, regularisation, options());
   const Eigen::VectorXd x = dense(s.x), m = model(s.x);

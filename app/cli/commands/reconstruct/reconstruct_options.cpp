@@ -58,7 +58,7 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("--solver", arguments.solver,
                   "Least squares without negative values: fista, nnls (active sets, few "
-                  "unknowns), cgls or lsqr (negative values cut off), tv (total variation). "
+                  "unknowns), cgls or lsqr (negative values cut off). "
                   "Without a penalty, stopped by the noise: sirt, sart, mlem, osem, mart (fista)")
       ->check(one_of(reconstruction_solvers()))
       ->option_text("NAME");
@@ -71,7 +71,7 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("--strength", arguments.strength,
                   "Of the penalty, relative to the pictures' information; 0: none; without it, by "
-                  "cross-validation; tv needs it")
+                  "cross-validation")
       ->check(number_between(0.0, 1e12))
       ->option_text("NUMBER");
   command.add_option("--iterations", arguments.iterations, "At most, of the last solution (300)")

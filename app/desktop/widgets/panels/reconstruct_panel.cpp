@@ -423,7 +423,7 @@ void ReconstructPanel::show_choices() {
   solver_->setEnabled(find == "emission");
   // A solver without penalty has no strength.
   strength_->setEnabled(find != "emission" ||
-                        QStringList{"fista", "nnls", "cgls", "lsqr", "tv"}.contains(solver));
+                        QStringList{"fista", "nnls", "cgls", "lsqr"}.contains(solver));
 }
 
 void ReconstructPanel::start() {

@@ -9,43 +9,31 @@
 
 namespace plenoflame {
 
-/// The property that a solution is asked to have little of, beside the misfit.
-enum class PenaltyKind {
-  identity = 0,        ///< the values themselves; the numbers are orders of differences
-  first_differences,   ///< slopes: neighbouring values alike
-  second_differences,  ///< curvature in all directions, also across the axes: slopes alike
-};
-
 /// A field on a regular lattice of up to three axes, last axis fastest.
 struct PenaltyGrid {
   std::array<int, 3> shape{1, 1, 1};
   std::array<double, 3> spacing{1, 1, 1};  ///< [m]; ratios count, not the unit
   /// Relative strength along each axis: depth, for instance, may be smoothed more.
   std::array<double, 3> strength{1, 1, 1};
-  /// Unknowns that take part; empty: all. First differences to one that does not are left out.
+  /// Unknowns that take part; empty: all.
   std::vector<char> mask = {};
-  /// The field is 0 beyond the grid and where no unknown takes part, and second differences to
-  /// there count. Otherwise they are left out.
+  /// The field is 0 beyond the grid and where no unknown takes part, and differences to there
+  /// count. Otherwise they are left out.
   bool empty_outside = false;
   /// The first axis begins at a centre, on both sides of which the field is the same.
   bool begins_at_centre = false;
 };
 
-/// The penalty |L x|^2 as the operator L. Differences are divided by spacing^order, with the
-/// smallest spacing as the unit, so that all axes measure the same slope.
+/// The penalty |L x|^2 as the operator L: second differences, which are the curvature in all
+/// directions, also across the axes. They are divided by spacing^2, with the smallest spacing as
+/// the unit, so that all axes measure the same curvature.
 /// @throws InputError for an axis without samples, a spacing or strength that is not above 0, a
 ///         mask of another size
-std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid& grid);
+std::unique_ptr<LinearOperator> make_penalty(const PenaltyGrid& grid);
 
-/// The gradient with all axes of a place in one group of three rows (3 i, 3 i + 1, 3 i + 2), for
-/// total variation; rows that lead out of the grid are 0.
-std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid);
-
-/// |L x|^2 of a field on the grid that changes by 1 over a tenth of the grid's longest side, whose
-/// slope changes by 1 over as much twice, or whose values are 1: what the penalty of any field is
-/// measured by, whatever the grid's step.
-/// @param order of the differences @param power 1: the sum of |L x| of total variation
-double reference_penalty(const PenaltyGrid& grid, int order, int power = 2);
+/// |L x|^2 of a field on the grid whose slope changes by 1 over a tenth of the grid's longest side,
+/// with that tenth as the unit of length. It is the unit of penalties, whatever the grid's step.
+double reference_penalty(const PenaltyGrid& grid);
 
 /// Factor by which |L x|^2 is multiplied for a relative strength of 1: |W A u|^2 / reference. The
 /// penalty of the reference's field is then as large as the misfit of leaving out the uniform flame

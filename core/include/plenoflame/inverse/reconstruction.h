@@ -28,7 +28,6 @@ enum class ReconstructionSolver {
   active_set,  ///< the same exactly, for some hundred unknowns
   cgls,        ///< least squares, conjugate gradients; negative values are cut off at the end
   lsqr,        ///< the same by bidiagonalisation
-  tv,          ///< with the total variation as the penalty
   sirt,        ///< without a penalty, as all that follow: stopped when the noise explains the rest
   sart,        ///< in ordered subsets
   mlem,        ///< expectation maximisation

@@ -43,7 +43,7 @@ struct ThermalSettings {
 };
 
 struct ThermalReconstruction {
-  /// Of the linear reconstruction that it began with; negative: there was none.
+  /// The strength of the linear reconstruction that it began with; negative: there was none.
   double linear_strength = -1;
   /// Emission is that of the first channel. Temperatures are missing where a stop came before
   /// there were any.

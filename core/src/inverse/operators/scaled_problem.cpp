@@ -48,31 +48,18 @@ ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unkn
   grid.empty_outside = empty_outside;
   grid.begins_at_centre = unknowns.begins_at_centre();
   ChosenPenalty chosen;
-  if (settings.solver == ReconstructionSolver::tv) {
-    // Its penalty goes with the flame's brightness, the misfit with its square: the root of the
-    // misfit is what it is measured by.
-    chosen.reference = std::pow(reference_penalty(grid, 1, 1), 2);
-    chosen.root = true;
-    chosen.l = make_gradient(grid);
-  } else if (is_penalised(settings.solver)) {
-    chosen.reference = reference_penalty(grid, 2);
-    chosen.l = make_penalty(PenaltyKind::second_differences, grid);
+  if (is_penalised(settings.solver)) {
+    chosen.reference = reference_penalty(grid);
+    chosen.l = make_penalty(grid);
   }
   if (chosen.l && !(chosen.l->squared_norm({}) > 0))
     throw InputError("the penalty has no rows: every strength is 0, or all unknowns stand alone");
   return chosen;
 }
 
-double ChosenPenalty::unit(const LinearOperator& a, std::span<const double> weights,
-                           std::span<const double> uniform) const {
-  const double unit = penalty_unit(a, weights, uniform, reference);
-  return root ? std::sqrt(unit) : unit;
-}
-
 bool is_penalised(ReconstructionSolver solver) {
   return solver == ReconstructionSolver::fista || solver == ReconstructionSolver::active_set ||
-         solver == ReconstructionSolver::cgls || solver == ReconstructionSolver::lsqr ||
-         solver == ReconstructionSolver::tv;
+         solver == ReconstructionSolver::cgls || solver == ReconstructionSolver::lsqr;
 }
 
 bool wants_matrix(ReconstructionSolver solver) {
@@ -122,9 +109,9 @@ ScaledProblem::ScaledProblem(const CsrMatrix<float>* matrix, const LinearOperato
     scaled_penalty_ = std::make_unique<ScaledColumns>(*penalty_.l, scale_);
     std::vector<double> uniform;
     for (const double s : scale_) uniform.push_back(s > 0 ? 1 : 0);
-    unit_ = penalty_.unit(a, weights_, uniform);
+    unit_ = penalty_unit(a, weights_, uniform, penalty_.reference);
   }
-  if (is_penalised(settings.solver) && settings.solver != ReconstructionSolver::tv) {
+  if (is_penalised(settings.solver)) {
     SignSequence signs(3);
     std::vector<double> noise(weights_.begin(), weights_.end());
     for (double& value : noise) value *= signs.next();
@@ -267,8 +254,6 @@ Solution ScaledProblem::solve_by_solver(const LinearProblem& whole, const Regula
       return solve_cgls(whole, penalty, own, execution);
     case ReconstructionSolver::lsqr:
       return solve_lsqr(whole, penalty, own, execution);
-    case ReconstructionSolver::tv:
-      return solve_total_variation(whole, *scaled_penalty_, penalty.strength, own, execution);
     case ReconstructionSolver::sirt: {
       const double relaxation = settings_.relaxation > 0 ? settings_.relaxation : kSirtRelaxation;
       return solve_sirt(std::vector<LinearProblem>{whole}, relaxation, own, execution);

@@ -16,13 +16,8 @@ inline constexpr StrengthRange kLinearRange{1e-10, 1, 11, 2, 200};
 
 /// The penalty of a reconstruction on one value per unknown.
 struct ChosenPenalty {
-  std::unique_ptr<LinearOperator> l;  ///< total variation's gradient for its solver; nullptr: none
-  double reference = 0;               ///< reference_penalty(), for total variation squared
-  bool root = false;                  ///< the strength's unit is a root: of total variation
-
-  /// The absolute strength for a relative one of 1. @param uniform as of penalty_unit()
-  double unit(const LinearOperator& a, std::span<const double> weights,
-              std::span<const double> uniform) const;
+  std::unique_ptr<LinearOperator> l;  ///< nullptr: none
+  double reference = 0;               ///< reference_penalty()
 };
 
 /// @param mask unknowns of which it is 0 have no part in the penalty @param empty_outside where

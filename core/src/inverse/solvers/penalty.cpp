@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <initializer_list>
 
 #include "plenoflame/base/error.h"
 
@@ -28,9 +27,6 @@ class DifferenceOperator final : public LinearOperator {
       column_.push_back(static_cast<std::uint32_t>(term.column));
       value_.push_back(term.value);
     }
-  }
-  void add_row(std::initializer_list<Term> terms) {
-    add_row(std::span<const Term>(terms.begin(), terms.size()));
   }
 
   std::size_t rows() const override { return value_.size() / kMostTerms; }
@@ -88,9 +84,9 @@ double least_spacing(const PenaltyGrid& grid) {
   return least;
 }
 
-/// The factor of a difference of some order along an axis.
-double axis_scale(const PenaltyGrid& grid, std::size_t axis, int order) {
-  return grid.strength[axis] * std::pow(least_spacing(grid) / grid.spacing[axis], order);
+/// The factor of a second difference along an axis.
+double axis_scale(const PenaltyGrid& grid, std::size_t axis) {
+  return grid.strength[axis] * std::pow(least_spacing(grid) / grid.spacing[axis], 2);
 }
 
 /// Calls use(unknown, index along the axes) for every unknown.
@@ -110,7 +106,7 @@ class SecondDifferences {
 
   /// The difference of an unknown and its neighbours along an axis.
   void add_along(const std::array<int, 3>& at, std::size_t axis, DifferenceOperator& to) const {
-    const double scale = axis_scale(grid_, axis, 2);
+    const double scale = axis_scale(grid_, axis);
     std::vector<DifferenceOperator::Term> row{{number(at), -2 * scale}};
     for (const int side : {-1, 1}) {
       std::array<int, 3> neighbour = at;
@@ -130,7 +126,7 @@ class SecondDifferences {
                   DifferenceOperator& to) const {
     const auto [a, b] = axes;
     if (grid_.shape[b] < 2 || grid_.strength[b] == 0) return;
-    const double scale = std::sqrt(2 * axis_scale(grid_, a, 2) * axis_scale(grid_, b, 2));
+    const double scale = std::sqrt(2 * axis_scale(grid_, a) * axis_scale(grid_, b));
     for (const int back_a : {0, 1})
       for (const int back_b : {0, 1}) {
         std::array<int, 3> first = at;
@@ -172,63 +168,34 @@ class SecondDifferences {
 
 }  // namespace
 
-std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid& grid) {
+std::unique_ptr<LinearOperator> make_penalty(const PenaltyGrid& grid) {
   auto result = std::make_unique<DifferenceOperator>(size_of(grid));
-  const auto takes_part = [&](std::size_t unknown) {
-    return grid.mask.empty() || grid.mask[unknown] != 0;
-  };
-  const auto stride = strides(grid);
   const SecondDifferences second(grid);
   for_each(grid, [&](std::size_t unknown, const std::array<int, 3>& at) {
-    if (!takes_part(unknown)) return;
-    if (kind == PenaltyKind::identity) return result->add_row({{unknown, 1}});
+    if (!grid.mask.empty() && grid.mask[unknown] == 0) return;
     for (std::size_t a = 0; a < 3; ++a) {
       if (grid.shape[a] < 2 || grid.strength[a] == 0) continue;
-      if (kind == PenaltyKind::second_differences) {
-        second.add_along(at, a, *result);
-        for (std::size_t other = a + 1; other < 3; ++other)
-          second.add_across(at, {a, other}, *result);
-        continue;
-      }
-      if (at[a] + 1 >= grid.shape[a] || !takes_part(unknown + stride[a])) continue;
-      const double scale = axis_scale(grid, a, 1);
-      result->add_row({{unknown, -scale}, {unknown + stride[a], scale}});
+      second.add_along(at, a, *result);
+      for (std::size_t other = a + 1; other < 3; ++other)
+        second.add_across(at, {a, other}, *result);
     }
   });
   return result;
 }
 
-std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid) {
-  const std::size_t size = size_of(grid);
-  auto result = std::make_unique<DifferenceOperator>(size);
-  const auto stride = strides(grid);
-  for_each(grid, [&](std::size_t unknown, const std::array<int, 3>& at) {
-    for (std::size_t a = 0; a < 3; ++a) {
-      const std::size_t next = unknown + stride[a];
-      const bool inside = at[a] + 1 < grid.shape[a] &&
-                          (grid.mask.empty() || (grid.mask[unknown] != 0 && grid.mask[next] != 0));
-      const double scale = inside ? axis_scale(grid, a, 1) : 0;
-      result->add_row({{unknown, -scale}, {inside ? next : unknown, scale}});
-    }
-  });
-  return result;
-}
-
-double reference_penalty(const PenaltyGrid& grid, int order, int power) {
-  constexpr double kPart = 0.1;  // of the longest side, over which a field changes by 1
+double reference_penalty(const PenaltyGrid& grid) {
+  constexpr double kPart = 0.1;  // of the longest side, over which a slope changes by 1
   const std::size_t size = size_of(grid);
   double longest = 0;
   for (std::size_t a = 0; a < 3; ++a)
     if (grid.shape[a] > 1) longest = std::max(longest, grid.shape[a] * grid.spacing[a]);
-  if (order > 0 && !(longest > 0))
-    throw InputError("the penalty has no rows: the grid has one sample only");
+  if (!(longest > 0)) throw InputError("the penalty has no rows: the grid has one sample only");
   const auto taking_part =
       grid.mask.empty()
           ? static_cast<double>(size)
           : static_cast<double>(size) - static_cast<double>(std::ranges::count(grid.mask, char{0}));
   if (!(taking_part > 0)) throw InputError("the penalty has no rows: no unknown takes part");
-  if (order == 0) return taking_part;
-  return taking_part * std::pow(least_spacing(grid) / (kPart * longest), power * order);
+  return taking_part * std::pow(least_spacing(grid) / (kPart * longest), 4);
 }
 
 double penalty_unit(const LinearOperator& a, std::span<const double> weights,
