@@ -1,6 +1,9 @@
 #pragma once
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <optional>
@@ -21,6 +24,9 @@
 namespace plenoflame::test {
 
 enum class Family { candle, jet, blobs, turbulent };
+
+inline constexpr Family kFamilies[] = {Family::candle, Family::jet, Family::blobs,
+                                       Family::turbulent};
 
 inline std::string name_of(Family family) {
   static const char* const names[] = {"candle", "lifted jet", "blobs", "turbulent"};
@@ -359,6 +365,37 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
   outcome.strength = found.strength;
   outcome.unknowns = unknowns->size() - found.empty;
   return outcome;
+}
+
+/// Means over trials, of squares where they are deviations.
+struct Totals {
+  double pulls = 0, covered = 0, covered_once = 0, error = 0, stated = 0;
+  int count = 0;
+
+  void add(const Errors& errors) {
+    pulls += errors.pulls * errors.pulls;
+    covered += errors.covered;
+    covered_once += errors.covered_once;
+    error += errors.error * errors.error;
+    stated += errors.stated * errors.stated;
+    ++count;
+  }
+  Errors mean() const {
+    return {std::sqrt(error / count), std::sqrt(stated / count), std::sqrt(pulls / count),
+            covered / count, covered_once / count};
+  }
+};
+
+inline void print(const std::string& what, const Errors& errors) {
+  std::printf("| %s | %.1f | %.1f | %.2f | %.0f | %.0f |\n", what.c_str(), 100 * errors.error,
+              100 * errors.stated, errors.pulls, 100 * errors.covered_once, 100 * errors.covered);
+}
+
+inline void expect_true(const Totals& totals) {
+  const Errors mean = totals.mean();
+  EXPECT_GT(mean.pulls, 0.7);
+  EXPECT_LT(mean.pulls, 1.4);
+  EXPECT_GT(mean.covered, 0.88);
 }
 
 }  // namespace plenoflame::test

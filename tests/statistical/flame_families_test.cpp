@@ -4,7 +4,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdio>
 #include <tuple>
 
 #include "plenoflame/base/error.h"
@@ -15,32 +14,6 @@
 
 namespace plenoflame::test::flame_families_test {
 namespace {
-
-/// Means over trials, of squares where they are deviations.
-struct Totals {
-  double pulls = 0, covered = 0, covered_once = 0, error = 0, stated = 0;
-  int count = 0;
-
-  void add(const Errors& errors) {
-    pulls += errors.pulls * errors.pulls;
-    covered += errors.covered;
-    covered_once += errors.covered_once;
-    error += errors.error * errors.error;
-    stated += errors.stated * errors.stated;
-    ++count;
-  }
-  Errors mean() const {
-    return {std::sqrt(error / count), std::sqrt(stated / count), std::sqrt(pulls / count),
-            covered / count, covered_once / count};
-  }
-};
-
-void print(const std::string& what, const Errors& errors) {
-  std::printf("| %s | %.1f | %.1f | %.2f | %.0f | %.0f |\n", what.c_str(), 100 * errors.error,
-              100 * errors.stated, errors.pulls, 100 * errors.covered_once, 100 * errors.covered);
-}
-
-constexpr Family kFamilies[] = {Family::candle, Family::jet, Family::blobs, Family::turbulent};
 
 /// Three flames of each family at three exposures.
 Totals measure(FamilyTrial trial, Totals& temperature) {
@@ -62,13 +35,6 @@ Totals measure(FamilyTrial trial, Totals& temperature) {
           own.mean());
   }
   return emission;
-}
-
-void expect_true(const Totals& totals) {
-  const Errors mean = totals.mean();
-  EXPECT_GT(mean.pulls, 0.7);
-  EXPECT_LT(mean.pulls, 1.4);
-  EXPECT_GT(mean.covered, 0.88);
 }
 
 class AllFlameFamilies : public testing::TestWithParam<std::tuple<bool, int>> {};
@@ -124,11 +90,9 @@ TEST(FlameFamilies, DeviationsAreTheErrorsOfSome) {
     temperature.add(found.temperature);
   }
   for (const Totals& totals : {emission, temperature}) {
-    const Errors mean = totals.mean();
-    EXPECT_GT(mean.pulls, 0.7);
-    EXPECT_LT(mean.pulls, 1.4);
-    EXPECT_GT(mean.covered, 0.88);
-    EXPECT_LT(mean.error, 0.25);  // of voxels and rings alike, those near the axis are hardly seen
+    expect_true(totals);
+    EXPECT_LT(totals.mean().error,
+              0.25);  // of voxels and rings alike, those near the axis are hardly seen
   }
 }
 
