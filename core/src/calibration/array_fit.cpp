@@ -259,9 +259,10 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     if (!change.allFinite()) throw InputError("the array's numbers cannot be told from each other");
     array = changed(array, change.cwiseProduct(steps));
   }
-  // Noise of all good micro-images, whose model has ten numbers or less; and the scatter of the
-  // regions, each of which counts once (Liang and Zeger 1986, Biometrika 73, 13). What is wrong
-  // alike over the whole sensor is told to its order of magnitude, or not at all.
+  // The variance has two parts. The first is the noise of all good micro-images, whose model has at
+  // most ten numbers. The second is the scatter between regions, each of which counts once (Liang
+  // and Zeger 1986, Biometrika 73, 13). An error common to the whole sensor is known by its order
+  // of magnitude at best.
   const Eigen::MatrixXd inverse = matrix.inverse();
   const auto all = static_cast<double>(lattice.good);
   const double variance = lattice.rms * lattice.rms * all / (2 * all - 10);

@@ -11,14 +11,16 @@ double f_quantile(double probability, double numerator, double denominator);
 /// need not be whole) is at least |t| in magnitude. Relative error below 1e-10.
 double student_tail(double t, double freedom);
 
-/// As many pixels of equal variance would tell as much about the sum of their variances as these
-/// do (Satterthwaite, Biometrics Bull. 2 (1946) 110), from 1 to as many as there are. Where a few
-/// of them make most of the sum, it is fewer than the estimate from their variances: that is
-/// largest just when these few came out too small, which is when the sum itself is. By how many
-/// standard errors of the sum of squared variances was found by trial (docs/theory/errors.md).
-/// @param squares, fourth, eighth sums of estimated variances, of their squares, of those' squares
-/// @param freedom degrees of freedom that each variance was estimated with: the expectation of its
-/// square is (freedom + 2) / freedom times that of the variance, squared
+/// Effective number of pixels: this number of pixels of equal variance would determine the sum of
+/// their variances equally well (Satterthwaite, Biometrics Bull. 2 (1946) 110). It lies between 1
+/// and `pixels`. If a few pixels make most of the sum, the result is lower than the plain estimate.
+/// The plain estimate is largest when the variances of these few came out too small, and then the
+/// sum is too small as well. The reduction, in standard errors of the sum of squared variances, was
+/// found empirically (docs/theory/errors.md).
+/// @param squares, fourth, eighth sums of the estimated variances, of their squares, and of their
+///        fourth powers
+/// @param freedom degrees of freedom of each estimated variance: the expectation of its square is
+///        (freedom + 2) / freedom times the squared variance
 double effective_pixels(double squares, double fourth, double eighth, double pixels,
                         double freedom);
 

@@ -72,7 +72,7 @@ PLENOFLAME_INLINE double power_minus_one(double f) {
   return r + r * r * quotient(r);
 }
 
-// So many make 2^-n what power_of_two() gives as 0.
+// At this number of halvings power_of_two() returns 0 for 2^-n.
 PLENOFLAME_INLINE float most_halvings(float) {
   return 127.0f;
 }

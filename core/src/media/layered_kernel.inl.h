@@ -137,8 +137,8 @@ PLENOFLAME_INLINE int count_positive(int count, const Real* __restrict values) {
   return positive;
 }
 
-/// One homogeneous interval [from, to] of a layer, behind what has been passed so far (nothing, if
-/// kFirst). What comes out of it is added to `weight`, or is it, if kNew.
+/// One homogeneous interval [from, to] of a layer, behind the intervals passed so far (none, if
+/// kFirst). Its emission is added to `weight`, or replaces it if kNew.
 template <bool kFirst, bool kNew, class Real>
 PLENOFLAME_INLINE void pass(int count, Real kappa, const Real* __restrict from,
                             const Real* __restrict to, Real* __restrict transmittance,

@@ -9,8 +9,9 @@
 namespace plenoflame::voxel {
 namespace {
 
-// e^-80: beside `highest`, what is below does not count. What single precision could hold only as a
-// denormal number, which processors are slow with, does not either [W/(m^2 sr)].
+// Source functions below e^-80 of `highest` do not count. Values below kLeastSource [W/(m^2 sr)] do
+// not count either: single precision holds them as denormal numbers, with which processors are
+// slow.
 constexpr double kLargestFall = 80, kLeastSource = 1e-36;
 
 // Interpolates values f at points x by a polynomial, lowest power first (Newton's form, expanded).

@@ -260,8 +260,8 @@ std::shared_ptr<const SurfaceScene> compile_surfaces(const Scene& scene,
       });
 }
 
-/// Light starts and ends in air: no flame may reach into a window's glass. Where a flame's lattice
-/// is dark it may.
+/// Light starts and ends in air: no flame may reach into a window's glass. Only the dark parts of a
+/// flame's lattice may.
 void check_flames_beside_windows(const Scene& scene, const Media& flames,
                                  const PositionMap& positions) {
   if (scene.windows.empty()) return;

@@ -25,8 +25,8 @@ struct ImportedCamera {
   std::string scene_text;  ///< not empty: the file holds a whole scene (TOML), `camera` is none
 };
 
-/// Puts a camera together from what calibration files say: an ideal thin main lens, ideal
-/// microlenses, and what is known of their places. What a file does not say, a later one may.
+/// Assembles a camera from calibration files: an ideal thin main lens, ideal microlenses and their
+/// known places. A later file may give what an earlier one does not.
 /// @param given values that replace those of the files: lens.focal_length, lens.diameter,
 ///        focus.lens_distance or focus.object_distance, array.pitch, array.sensor_distance, focal
 ///        lengths of array.types, columns, rows and pixel pitch of the sensor; 0: not given

@@ -67,8 +67,9 @@ struct ApertureDiscs {
 };
 
 /// The area between pairs of parallel sides of a microlens' apertures, in the aim plane, for a
-/// sensor point s: |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| < far_half,
-/// with the shifts of the discs of the circle around them. Of circles there are none.
+/// sensor point s: |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| < far_half.
+/// The shifts are those of the discs bounded by the circumscribed circles. A round aperture has no
+/// pairs.
 struct ApertureSides {
   int pairs = 0;
   std::array<Vec2, MicrolensAperture::kMostPairs> normals{};

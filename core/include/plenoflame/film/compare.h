@@ -33,18 +33,19 @@ struct Comparison {
   /// has found light yet don't make it too small: in those that have light the squared errors are
   /// too large by as much.
   double mean_error = 0;
-  /// * What an unbiased a would have as relative_rmse: sqrt(mean(s^2)) / mean(b).
+  /// * Value of relative_rmse expected for an unbiased a: sqrt(mean(s^2)) / mean(b).
   double expected_rmse = 0;
   double largest_z = 0;  ///< * (a - b) / s, largest by magnitude; with its sign
   int largest_z_column = 0, largest_z_row = 0;
-  /// Degrees of freedom of the standard errors: one less than the fewest randomisations of an image
-  /// that has them ("render.replicates" of its numbers); infinite where no image says.
+  /// Degrees of freedom of the standard errors: the smallest number of replicates of an image with
+  /// standard errors ("render.replicates" of its numbers), minus one. Infinite if no image has this
+  /// number.
   double freedom = std::numeric_limits<double>::infinity();
-  /// * Of one as large among so many pixels (Sidak), if the differences are normal and their errors
-  /// estimated with so many degrees of freedom (Student).
+  /// * Probability that noise alone makes largest_z this large among all pixels (Sidak). It assumes
+  /// normal differences and Student's t with `freedom` degrees of freedom.
   double largest_z_probability = 1;
-  /// * Reduced chi-square, mean of ((a - b) / s)^2 over pixels with s > 0. 1 is expected; a little
-  /// more when s was estimated from few randomisations ((R - 1) / (R - 3) for R of them).
+  /// * Reduced chi-square, mean of ((a - b) / s)^2 over pixels with s > 0. Its expected value is 1,
+  /// or (R - 1) / (R - 3) when s was estimated from R replicates.
   double chi_square = 0;
   std::size_t chi_square_pixels = 0;
   /// Sees differences that are small in each pixel but alike among neighbours: (sum of a - b)^2

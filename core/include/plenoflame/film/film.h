@@ -15,11 +15,11 @@ struct FilmImages {
   friend bool operator==(const FilmImages&, const FilmImages&) = default;
 };
 
-/// The sums that an estimator has gathered: per pixel and channel one sum for each independent
-/// randomisation (replicate), in double precision (of up to 8 rays in theirs, at first). The mean
-/// over replicates is the estimate, their scatter its standard error. Tiles that receive nothing
-/// take no memory. Of tiles that are finished only the estimate and its standard error are kept,
-/// which take less.
+/// The sums that an estimator has gathered: for each pixel and channel one sum per replicate
+/// (independent repetition), in double precision. Up to 8 rays are first summed in their own
+/// precision. The mean over replicates is the estimate; their scatter gives its standard error.
+/// Tiles without light take no memory. A finished tile keeps only the estimate and its standard
+/// error, which takes less memory.
 class Film {
  public:
   Film() = default;

@@ -24,10 +24,10 @@ std::vector<double> tile_samples_of(const LightField& picture, int replicates, i
 /// finished. @throws InputError when the light field does not say how many samples it has
 Film film_of(const LightField& picture);
 
-/// A film like `film` without finished tiles, which takes more samples everywhere. Of a finished
-/// tile the mean over replicates and their scatter are known, in single precision: the replicates
-/// are placed evenly about the mean, so that estimate and standard error stay as they are, and
-/// become those of all samples together when others are added.
+/// Copy of `film` without finished tiles, which accepts more samples everywhere. A finished tile
+/// knows only the mean over replicates and their scatter, in single precision. The new replicates
+/// are placed evenly about the mean, so that estimate and standard error are unchanged. With
+/// further samples, both become those of all samples together.
 Film reopened(const Film& film);
 
 }  // namespace plenoflame

@@ -36,8 +36,8 @@ struct ZeroedAllocator {
   friend bool operator==(const ZeroedAllocator&, const ZeroedAllocator&) { return true; }
 };
 
-/// The numbers of a picture. Of a large one that is mostly dark the system gives only the pages
-/// that hold light.
+/// The numbers of a picture. For a large and mostly dark picture the system allocates only the
+/// memory pages that hold light.
 struct PixelValues : std::vector<float, ZeroedAllocator<float>> {
   using vector::vector;
   /// New values are 0, also where the memory is not.

@@ -24,8 +24,8 @@ class StagingFolder {
   void commit();
   /// The same for several folders: all of their files appear, or none.
   static void commit(const std::vector<const StagingFolder*>& folders);
-  /// Removes temporary folders within a folder that killed processes left, and no others: the one
-  /// that writes holds a lock, which ends with it. What cannot be removed stays.
+  /// Removes the temporary folders that killed processes left within a folder. Folders in use are
+  /// kept: their process holds a lock, which ends with it. Folders that cannot be removed stay.
   static void remove_abandoned(const std::string& folder);
 
  private:

@@ -112,8 +112,8 @@ struct RaySource {
   CameraRaySettings settings;
   std::size_t rays = 0;  ///< of all rows
   RowPieces pieces;
-  /// The camera of each piece, with the window around its pixels. What they point to must outlive
-  /// this.
+  /// The camera of each piece, with the window around its pixels. The objects that the views point
+  /// to must outlive this.
   std::vector<CameraView> views;
   std::vector<std::uint32_t> piece_of;  ///< of each row
 };

@@ -38,10 +38,10 @@ CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Exec
 /// The same as rows that become part of a larger matrix, some thousand of them.
 CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution);
 
-/// The same without a matrix: rays are followed again each time. What it points to must outlive it.
-/// apply() is the same for any number of threads, and so is apply_transpose(), which sums up parts
-/// of rows that do not depend on them. Both throw Cancelled soon after a stop of `execution`, also
-/// in the middle of a product.
+/// The same operator without a matrix: it follows the rays again in each product. Everything that
+/// `problem` points to must outlive it. The results of apply() and apply_transpose() do not depend
+/// on the number of threads. Both throw Cancelled soon after a stop of `execution`, also within a
+/// product.
 std::unique_ptr<LinearOperator> make_emission_operator(const EmissionProblem& problem,
                                                        const Execution& execution);
 

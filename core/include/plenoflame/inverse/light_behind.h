@@ -10,7 +10,7 @@
 /// and of the surroundings. The scene tells it, so that it is a known part of every row.
 namespace plenoflame {
 
-/// True if a scene has such light. That of the flame itself on surfaces does not count.
+/// True if a scene has such light. Light of the flame itself that surfaces reflect does not count.
 bool shines_without_flames(const CompiledScene& scene);
 
 /// Light of a scene without its flames, as an absorption lets it through [W], for each row; empty

@@ -43,10 +43,10 @@ struct ThermalSettings {
 };
 
 struct ThermalReconstruction {
-  /// Of the linear reconstruction that it began with; negative: there was none.
+  /// Strength of the linear reconstruction at the start; negative: there was none.
   double linear_strength = -1;
-  /// Emission is that of the first channel. Temperatures are missing where a stop came before
-  /// there were any.
+  /// The emission is the first channel's. Temperatures are missing after a stop before the first of
+  /// them.
   FlameEstimate estimate;
   /// Diagonals of the resolution matrix, of temperatures and of logarithms of absorptions.
   std::vector<double> resolved_temperature, resolved_absorption;

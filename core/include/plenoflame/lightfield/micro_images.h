@@ -144,11 +144,11 @@ class MicroImages {
   };
 
   /// The white light of the pixels around one micro-image. Where micro-images touch or overlap, a
-  /// pixel gets light through several microlenses; the edge of the stop is out of focus on the
-  /// sensor, so that this begins well inside the geometric rim.
+  /// pixel gets light through several microlenses. The edge of the stop is out of focus on the
+  /// sensor, so the overlap begins well inside the geometric rim.
   class LocalWhite {
    public:
-    /// @param radius [m] how far from the centre of the micro-image it will be asked for
+    /// @param radius [m] largest distance from the centre of the micro-image that will be evaluated
     LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius);
     White operator()(Vec2 sensor_point) const;
     /// Fills pixels.own and pixels.total: what the operator says, to single precision, and much

@@ -76,8 +76,9 @@ struct IntervalTransfer {
 /// @param tau0, tau1 half the interval's length times the absorption at either node
 IntervalTransfer interval_transfer(double tau0, double tau1);
 
-/// Derivatives of what interval_transfer() gives, with regard to tau0 and tau1: [0] and [1]. The
-/// transmittance's is minus itself for both. Where a weight is cut off at 0 its derivative is 0.
+/// Derivatives of interval_transfer()'s weights with regard to tau0 and tau1: [0] and [1]. The
+/// derivative of the transmittance is minus the transmittance, for both. A weight that is clamped
+/// to 0 has the derivative 0.
 struct TransferSlopes {
   std::array<double, 2> near{}, far{};  ///< of the weights on source functions
 };

@@ -66,8 +66,8 @@ class Medium {
   virtual int channel_count() const = 0;
   /// World box outside of which absorption is zero.
   virtual Box bounds() const = 0;
-  /// World boxes that together hold every place with absorption; some thousand at most. What no ray
-  /// to them can show need not be looked for. The bounds, unless a medium knows better.
+  /// World boxes that together hold every place with absorption; some thousand at most. Rays that
+  /// miss all boxes see no absorption. The default is the bounds.
   virtual std::vector<Box> occupied() const { return {bounds()}; }
   /// Tells whether integrating a ray takes so much longer than tracing it through a camera that a
   /// table of radiance may pay.

@@ -35,10 +35,10 @@ enum class VoxelInterpolation {
 };
 
 struct VoxelMediumOptions {
-  /// Share of a brick's emission that the quadrature within one cell may miss: cells across which
-  /// the source function rises steeply are cut into as many intervals as that needs (32 at most).
-  /// 0: one interval per cell, always. Where temperature has a lattice of its own, cells are cut at
-  /// the faces of both lattices, and not further.
+  /// Largest share of a brick's emission that the quadrature within one cell may miss. A cell with
+  /// a steep source function is cut into as many intervals as this needs (32 at most). 0: always
+  /// one interval per cell. If temperature has its own lattice, cells are cut at the faces of both
+  /// lattices, and not further.
   double tolerance = 3e-4;
 };
 

@@ -22,8 +22,8 @@
 namespace plenoflame {
 
 struct CompiledScene;
-/// Scenes that were compiled before. What one of them has in common with a new one is taken over;
-/// nullptr among them is none.
+/// Scenes that were compiled before. compile() reuses the parts that one of them has in common with
+/// the new scene. A nullptr is ignored.
 using EarlierScenes = std::vector<const CompiledScene*>;
 
 /// Makes the medium of one flame, with its spectrum at the channels' wavelengths. Core itself knows
@@ -90,14 +90,14 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
                                          const Execution& execution);
 
 /// Validates the scene (see validate.h), solves the camera, traces its pupils, loads the flames and
-/// checks where they lie. Warnings go to execution.message, with their place in the scene file.
+/// checks their positions. Warnings go to execution.message, with their place in the scene file.
 /// @param scene with one camera (cameras.h chooses it); a list of a single one is as good
 /// @param positions of the scene's keys in its file, for messages
-/// @param earlier scenes from which is taken over, not compiled again, whatever this one has in
-/// common with any of them: the camera with its pupils, each flame, the surfaces. Flames of voxels
-/// that lie elsewhere, have another scale or another brightness keep their voxels. What is traced
-/// has the same bits either way. Files must not have changed since
-/// @param unsaid warnings that do not matter for what the caller does with the scene
+/// @param earlier scenes whose common parts are reused, not compiled again: the camera with its
+///        pupils, each flame, the surfaces. Voxels are reused even if the flame's place, scale or
+///        brightness differs. Traced results have the same bits either way. Files must not have
+///        changed since
+/// @param unsaid warnings that do not matter for the caller's use of the scene
 /// @throws InputError, FileError
 CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
                       const Execution& execution = {}, const PositionMap& positions = {},

@@ -33,8 +33,8 @@ struct SceneDocument {
   PositionMap positions;
 };
 
-/// Reads a scene from TOML. Every value given is checked: known key, type, unit, range. What only
-/// makes sense together is left to validate() in scene/validate.h.
+/// Reads a scene from TOML. Every given value is checked: known key, type, unit, range. Checks of
+/// several values together are left to validate() in scene/validate.h.
 /// @param name of the file, for messages and as the start of relative paths (Scene::file)
 /// @throws InputError "file:line:column: ..." that says what to do
 SceneDocument parse_scene(std::string_view text, const std::string& name);

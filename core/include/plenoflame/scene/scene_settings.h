@@ -35,8 +35,8 @@ SceneDocument read_scene_file(const std::string& path, const SceneSettings& sett
 SceneDocument parse_embedded_scene(std::string_view text, const std::string& file,
                                    const std::vector<std::string>& values = {});
 
-/// A path with numbers in place of the names of items: "flames.candle.position" ->
-/// "flames[2].position". What is no list stays as it is.
+/// Replaces the names of items in a path by their numbers: "flames.candle.position" ->
+/// "flames[2].position". A path without lists stays as it is.
 /// @throws InputError when a list has no item of that name, or several
 std::string resolve_path(const Scene& scene, std::string_view path);
 

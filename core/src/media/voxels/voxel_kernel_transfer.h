@@ -123,8 +123,8 @@ PLENOFLAME_INLINE IntervalWeights<float> thin_interval_weights(float tau0, float
   return {1.0f - emissivity, greatest(emissivity - far, 0.0f), far};
 }
 
-// One interval of every lane for a channel whose absorption is `factor` times that of `tau`. What
-// is passed comes first: thin gas times cold gas may be no normal number.
+// One interval of every lane for a channel whose absorption is `factor` times that of `tau`. The
+// product with `passed` comes first: the product of a thin gas and a cold source may be denormal.
 template <class Real>
 PLENOFLAME_INLINE void pass_interval(Real factor, bool thin, const Real (&tau)[2][voxel::kLanes],
                                      const Real* __restrict source, Real* __restrict radiance,

@@ -19,7 +19,7 @@ struct OpenString {
 };
 
 /// The first string of a text that is not closed: on its line, or anywhere when it has three
-/// quotes. Of text that TOML has refused.
+/// quotes. For texts that the TOML parser has rejected.
 std::optional<OpenString> find_open_string(std::string_view text);
 
 /// Refuses what is no text at all, such as a light field in the place of its scene: what a parser

@@ -333,7 +333,7 @@ void check_focus(const CameraSpec& camera, bool lens_is_sound, Issues& issues) {
 }
 
 /// Number of microlenses, in a row, that light one pixel: the width of a micro-image over the
-/// pitch. What a pixel costs grows with its square.
+/// pitch. The cost of a pixel grows with its square.
 void check_overlap(const Camera& camera, Issues& issues) {
   if (!camera.has_array()) return;
   const FirstOrder& lens = camera.lens_first_order();
