@@ -100,14 +100,15 @@ struct GeometryCalibration {
 /// Keys of all values that can be searched for.
 std::vector<std::string> calibrated_keys();
 
-/// Camera and poses of the boards with which exact rays through the middles of the microlenses meet
-/// the corners: least squares over all of them together (Levenberg and Marquardt), centres of
-/// micro-images with them.
+/// Fits camera and board poses so that exact rays through the middles of the microlenses meet the
+/// corners and the centres of micro-images. Joint least squares (Levenberg and Marquardt).
 /// @param start a thin ideal main lens and ideal microlenses, near enough that corners are found in
 ///        the right micro-images; poses begin with a homography
-/// @throws InputError for another camera, too few corners, and where a value is not determined by
-///         the observations: it names those that go together; lengths that became twice or half of
-///         what they were, and a camera that explains less than the one to start with
+/// @throws InputError for another kind of camera and for too few corners
+/// @throws InputError for values that the observations do not determine; it names those that depend
+///         on each other
+/// @throws InputError for lengths that doubled or halved, and for a camera that explains the
+///         observations worse than `start`
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
                                        const std::vector<CornerObservation>& corners,
                                        const std::vector<CentreObservation>& centres,

@@ -7,7 +7,7 @@
 namespace plenoflame {
 
 /// The clear aperture of every microlens of an array, about its centre in the array's axes: a
-/// circle, or what lies between pairs of parallel sides.
+/// circle, or the area between pairs of parallel sides.
 class MicrolensAperture {
  public:
   static constexpr int kMostPairs = 3;

@@ -42,8 +42,8 @@ class Film {
     tile_samples_[static_cast<std::size_t>(tile)] += samples;
   }
 
-  /// Sums of a tile: of each channel all replicates, of each replicate the pixels row by row. Made
-  /// of zeros when first asked for; empty as long as nothing was.
+  /// Sums of a tile, ordered by channel, replicate and pixel (row by row). The first call allocates
+  /// zeros; empty before.
   /// @throws std::logic_error when the tile is finished
   std::vector<double>& tile_sums(int tile);
   const std::vector<double>& tile_sums(int tile) const {
@@ -125,8 +125,8 @@ class Film {
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors
-/// over the mean flux, over lit pixels (flux above kLitShare of the largest). 0 when nothing is
-/// lit.
+/// over the mean flux. Both are over lit pixels (flux above kLitShare of the largest). 0 if no
+/// pixel is lit.
 double estimated_relative_rmse(const Image& flux, const Image& standard_error);
 
 inline constexpr double kLitShare = 0.01;
@@ -134,8 +134,9 @@ inline constexpr double kLitShare = 0.01;
 /// The error of a whole image, by its standard errors.
 struct StatedError {
   double relative_rmse = 0;  ///< best estimate, as estimated_relative_rmse()
-  /// The true relative RMSE is below this with a probability of about kErrorConfidence; where one
-  /// pixel makes most of it, of 82 % with two replicates (docs/theory/errors.md). One: infinite.
+  /// The true relative RMSE is below this with a probability of about kErrorConfidence. If one
+  /// pixel makes most of it and there are two replicates, the probability is 82 %
+  /// (docs/theory/errors.md). One replicate: infinite.
   double bound = 0;
 };
 inline constexpr double kErrorConfidence = 0.95;

@@ -17,9 +17,9 @@ class ArraySetWriter {
   ArraySetWriter(const ArraySetWriter&) = delete;
   ArraySetWriter& operator=(const ArraySetWriter&) = delete;
 
-  /// Makes an array of `rows` arrays of this shape, in 32-bit numbers, to be filled by put(): a
-  /// chunk for each row (for each first index of it where rows are large), packed without loss
-  /// (deflate). Groups above it are made. @param axes names of all axes, "run,row,column"
+  /// Makes an array of `rows` arrays of this shape in 32-bit numbers, to be filled by put(). Each
+  /// row is a chunk, or each first index of a large row; chunks are compressed without loss
+  /// (deflate). Makes the groups above it. @param axes names of all axes, "run,row,column"
   void rows(const std::string& path, std::size_t rows, std::vector<std::size_t> shape,
             const std::string& unit, const std::string& axes);
   /// Writes a row of it. Rows that are never written are 0.

@@ -5,9 +5,9 @@
 namespace plenoflame {
 
 /// Files that appear in a folder all together. They are written into a temporary folder within it,
-/// and moved out of that by commit(); without commit() the destructor removes it with all that is
-/// in it, and the folder is as it was before. A process that is killed leaves the temporary folder;
-/// the next one that writes into the same folder removes it.
+/// and commit() moves them out. Without commit() the destructor removes the temporary folder, and
+/// the folder is as it was before. A killed process leaves its temporary folder; the next process
+/// that writes into the same folder removes it.
 class StagingFolder {
  public:
   /// @param folder exists
