@@ -29,8 +29,8 @@ template <class Value = float>
 class CsrMatrix {
  public:
   CsrMatrix() = default;
-  /// @throws InputError for starts that fall or do not fit, columns that are not ascending within a
-  ///         row or lie outside, values that are no numbers (names row and entry)
+  /// @throws InputError for starts that fall or do not fit, columns that are outside or do not
+  ///         ascend within a row, values that are no numbers (names row and entry)
   CsrMatrix(std::size_t columns, std::vector<std::int64_t> row_starts,
             std::vector<std::int32_t> column_indices, std::vector<Value> values);
 
@@ -83,10 +83,11 @@ struct CsrPart {
 /// A number that tells descriptions of work apart (FNV-1a).
 std::int64_t csr_work(const std::string& description);
 
-/// Writes or reads a matrix as the name ends: .npz (scipy.sparse.save_npz, compressed or not), .h5
-/// (datasets data, indices, indptr and shape), .mtx (MatrixMarket coordinate real general).
+/// Writes or reads a matrix in the format of the name's ending. `.npz`: scipy.sparse.save_npz,
+/// compressed or not. `.h5`: datasets data, indices, indptr and shape. `.mtx`: MatrixMarket
+/// coordinate real general.
 /// @param part of .npz and .h5: an array "part" of its number, the number of parts, and the work
-/// @throws FileError, UsageError for another ending, InputError for what is no such matrix
+/// @throws FileError; UsageError for another ending; InputError for other contents
 void write_csr(const std::string& path, const CsrMatrix<float>& matrix, const CsrPart& part = {});
 CsrMatrix<float> read_csr(const std::string& path, CsrPart* part = nullptr);
 

@@ -37,20 +37,20 @@ struct PenaltyGrid {
 ///         mask of another size
 std::unique_ptr<LinearOperator> make_penalty(PenaltyKind kind, const PenaltyGrid& grid);
 
-/// The gradient with all axes of a place in one group of three rows (3 i, 3 i + 1, 3 i + 2), for
-/// total variation; rows that lead out of the grid are 0.
+/// The gradient for total variation. The axes of a place form one group of three rows (3 i, 3 i +
+/// 1, 3 i + 2). Rows that lead out of the grid are 0.
 std::unique_ptr<LinearOperator> make_gradient(const PenaltyGrid& grid);
 
-/// |L x|^2 of a field on the grid that changes by 1 over a tenth of the grid's longest side, whose
-/// slope changes by 1 over as much twice, or whose values are 1: what the penalty of any field is
-/// measured by, whatever the grid's step.
+/// |L x|^2 of a reference field, which makes penalties comparable for any step of the grid. Let d
+/// be a tenth of the grid's longest side. Order 1: the field changes by 1 over d. Order 2: its
+/// slope changes by 1 / d over d. Order 0: its values are 1.
 /// @param order of the differences @param power 1: the sum of |L x| of total variation
 double reference_penalty(const PenaltyGrid& grid, int order, int power = 2);
 
-/// Factor by which |L x|^2 is multiplied for a relative strength of 1: |W A u|^2 / reference. The
-/// penalty of the reference's field is then as large as the misfit of leaving out the uniform flame
-/// u: a number that depends neither on units, brightness and rows nor on the grid's step.
-/// @param weights W, of A's rows; empty: all 1 @param uniform u: the value 1 in all that take part
+/// Factor on |L x|^2 for a relative strength of 1: |W A u|^2 / reference. The penalty of the
+/// reference field is then as large as the misfit without the uniform flame u. The factor cancels
+/// units, brightness, number of rows and the grid's step.
+/// @param weights W, of A's rows; empty: all 1 @param uniform u: 1 for all unknowns that take part
 /// @param reference reference_penalty()
 double penalty_unit(const LinearOperator& a, std::span<const double> weights,
                     std::span<const double> uniform, double reference);

@@ -85,7 +85,7 @@ struct ReconstructionInput {
   std::vector<double> start = {};  ///< values to go on from, as Reconstruction's; empty: none
   std::vector<double> prior = {};  ///< values that the penalty draws to; empty: 0
   std::vector<char> support = {};  ///< 0: the unknown is known to be empty; empty: of none
-  /// The channel's, for rendered_chi_squared; nullptr: it is not asked for.
+  /// The channel's, for rendered_chi_squared; nullptr: that is not computed.
   const SourceFunction* source = nullptr;
   std::vector<Vec3> spread_at = {};  ///< places whose point spreads are wanted
   /// Parts of each view's stop that count: rows that see others as well are left out. Empty: all.
@@ -116,7 +116,7 @@ struct Reconstruction {
   double noise_factor = 1;
   /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
   std::vector<double> resolved;
-  double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not asked for
+  double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not computed
 
   /// How the posterior of temperatures differs from that of the linearised problem. Empty: there
   /// was no chain (kMostChained).
@@ -137,8 +137,9 @@ struct Reconstruction {
   bool explained_by_noise = true;  ///< false: chi^2 is above what noise explains
   std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
   double chi_squared = 0;          ///< per row: 1 where noise explains what is left
-  /// The same of the temperatures that follow from it (flame_estimate.h), interpolated before they
-  /// shine as the renderer does; negative: not asked for, or there are none.
+  /// The same of the temperatures that follow from it (flame_estimate.h). They are interpolated
+  /// before the emission is computed, as in the renderer. Negative: not computed, or no
+  /// temperatures.
   double rendered_chi_squared = -1;
   struct Trial {
     double strength, chi_squared, penalty;
@@ -161,9 +162,9 @@ struct Reconstruction {
   std::vector<Image> explained, residual;
 };
 
-/// [byte] that the vectors of a reconstruction take at their most, beside rays and matrix: those of
-/// the strengths that are tried, of the solver, and of the result.
-/// @param variables unknowns, each as often as it has a quantity of its own
+/// [byte] Largest memory of a reconstruction's vectors, beside rays and matrix: those of the tested
+/// strengths, of the solver, and of the result.
+/// @param variables unknowns times the number of quantities of each
 double vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
                      std::size_t variables, std::size_t rows);
 /// The same, before any of it is taken. @param more [byte] beside them
@@ -172,9 +173,9 @@ void require_vector_memory(const ReconstructionSettings& settings, const Unknown
                            std::size_t variables, std::size_t rows, double more = 0);
 
 /// @throws InputError: no ray of any camera meets the unknowns, nothing was measured there, a
-/// start,
-///         prior or support of another size, a solver or form that wants the stored matrix where
-///         memory does not suffice
+///         start, prior or support of another size
+/// @throws InputError: a solver or form that needs the stored matrix, which does not fit into
+///         memory
 /// @throws Cancelled when a stop came before there was any solution
 Reconstruction reconstruct(const ReconstructionInput& input, const ReconstructionSettings& settings,
                            const Execution& execution = {});

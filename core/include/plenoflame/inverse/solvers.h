@@ -119,7 +119,7 @@ Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, d
                     double relaxation, const SolverOptions& options,
                     const Execution& execution = {});
 
-/// min 1/2 |W (A x - b)|^2 + strength * sum |gradient x|, x >= 0, by primal and dual steps
+/// Minimises 1/2 |W (A x - b)|^2 + strength * sum |gradient x| with x >= 0. Primal-dual steps
 /// (Chambolle and Pock 2011) with step lengths of each row and column (Pock and Chambolle 2011).
 /// @param gradient make_gradient(): rows in groups of three. A may not have negative entries
 Solution solve_total_variation(const LinearProblem& problem, const LinearOperator& gradient,

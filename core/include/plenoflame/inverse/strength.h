@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-/// A strength that was tried.
+/// A tested strength.
 struct StrengthPoint {
   double strength = 0;  ///< relative: the absolute one is the unit times it
   double misfit = 0;    ///< |W (A x - b)|^2
@@ -16,7 +16,7 @@ struct StrengthPoint {
 
 struct StrengthChoice {
   double strength = 0;  ///< relative
-  /// All that were tried, in ascending order.
+  /// All tested strengths, in ascending order.
   std::vector<StrengthPoint> curve;
   /// The best one lies at the end of the range: look at the curve, or widen the range.
   bool at_end = false;

@@ -54,16 +54,19 @@ struct ThermalReconstruction {
   Reconstruction figures;
 };
 
-/// Temperature, and where it is not known the absorption, by Gauss and Newton's method with bounds
-/// on the renderer's own formulas (thermal_model.h): what linear reconstructions begin. The penalty
-/// acts on temperatures and on the logarithms of absorptions, with the same relative strength.
+/// Reconstructs the temperature and, if unknown, the absorption: Gauss and Newton's method with
+/// bounds on the renderer's own formulas (thermal_model.h). Linear reconstructions give the start.
+/// The penalty acts on temperatures and on the logarithms of absorptions, with the same relative
+/// strength.
+///
 /// Deviations and resolution are those of the linearised problem, by probing. With fewer than
 /// kMostChained variables a Markov chain checks them. If it is wider by more than a fifth,
-/// deviations are larger by that. The strength is chosen on the problem linearised about an
-/// approximate solution, twice: rays are followed some ten times, however many strengths are tried.
-/// A stop keeps what was reached: temperatures, or the emission of the linear reconstruction.
-/// Filters in the pupil are colours, too: with parts of two colours one channel tells both.
-/// @throws UsageError: the absorption is solved for with one colour only, which knows no more than
+/// deviations are multiplied by the ratio. The strength is chosen three times, each time on the
+/// problem linearised about the latest solution: rays are followed about ten times for any number
+/// of strengths. After a stop the result holds the temperatures of the last step, or the emission
+/// of the linear reconstruction. Filters in the pupil count as colours: one channel with parts of
+/// two colours determines both quantities.
+/// @throws UsageError: absorption is unknown and there is one colour only, which determines just
 ///         the emission
 /// @throws InputError and Cancelled as reconstruct()
 ThermalReconstruction reconstruct_thermal(const ThermalInput& input,

@@ -51,7 +51,7 @@ std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const 
 std::unique_ptr<Unknowns> make_voxel_unknowns(const RegularLattice& lattice);
 
 /// Rings around an axis: samples at radius i * radial_step (0 <= i < rings) and at height j *
-/// height_step above the base (0 <= j < heights), linear in between, 0 outside; unknown (i, j) has
+/// height_step above the base (0 <= j < heights). Linear in between, 0 outside; unknown (i, j) has
 /// the number i * heights + j.
 struct RingGrid {
   Vec3 base;                                ///< [m] world; the point of the axis at height 0

@@ -90,8 +90,8 @@ enum class RowModel {
   source,    ///< samples of the source function [W/(m^2 sr)], emitted by the absorption
 };
 
-/// Weights of the intervals' nodes: the radiance that reaches the ray's near end is the sum over
-/// intervals i and nodes n of weights[i][n] * field at that node.
+/// Weights of the intervals' nodes. The radiance at the ray's near end is the sum over intervals i
+/// and nodes n of weights[i][n] * field at that node.
 /// @param absorption samples [1/m]; empty: none
 /// @param weights overwritten, one entry for each interval
 /// @return transmittance of all intervals

@@ -18,9 +18,9 @@ struct AffineTransform {
   constexpr Vec3 point(Vec3 p) const { return linear * p + translation; }
 };
 
-/// A scalar field on a sparse lattice in plain arrays: what a VDB grid becomes. Samples sit at
-/// whole index coordinates; bricks hold 8 x 8 x 8 of them, value (i, j, k) of brick b at values[b *
-/// 512 + (i * 8 + j) * 8 + k]; everywhere else the field is `background`.
+/// A scalar field on a sparse lattice in plain arrays, the form to which a VDB grid is converted.
+/// Samples are at integer index coordinates. Bricks hold 8 x 8 x 8 samples: value (i, j, k) of
+/// brick b is values[b * 512 + (i * 8 + j) * 8 + k]. Everywhere else the field is `background`.
 struct VoxelField {
   std::vector<std::array<int, 3>> brick_origins;  ///< lowest index of each brick, multiples of 8
   std::vector<float> values;                      ///< 512 per brick
@@ -61,9 +61,10 @@ inline constexpr std::size_t kMostVoxelLines = 8;
 /// `trilinear` (docs/theory.md), stable for any optical thickness.
 /// @param absorption_factors per channel, on the grid's absorption; empty: grey
 /// @param placement of the frame in which the fields' transforms are
-/// @throws InputError for a background other than 0, a singular transform, or NaN or negative
-///         values (names field and index), a tolerance outside of [0, 1), extras on another lattice
-///         than the absorption's, more than kMostVoxelLines.
+/// @throws InputError for a background other than 0, a singular transform, NaN or negative values
+///         (names field and index)
+/// @throws InputError for a tolerance outside of [0, 1), extras on another lattice than the
+///         absorption's, more than kMostVoxelLines
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
