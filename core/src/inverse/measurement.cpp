@@ -12,7 +12,8 @@
 namespace plenoflame {
 namespace {
 
-/// Randomisations whose scatter tells the error of a pixel by itself: to sqrt(1 / 30) = 18 %.
+/// With this number of replicates their scatter alone gives the error of a pixel, to sqrt(1 / 30) =
+/// 18 %.
 constexpr double kManyReplicates = 16;
 
 void check_belongs(const LightField& picture, const Scene& scene, const std::string& what) {
@@ -52,8 +53,8 @@ double to_watt(const LightField& picture, const Scene& scene, std::size_t channe
   return 1 / (time * electrons_per_joule(scene.camera.sensor, response->centroid()));
 }
 
-/// True if each pixel's variance holds the number of its electrons: not where a frame was developed
-/// without shot noise, nor where pixels are means of others.
+/// True if each pixel's variance contains the number of its electrons. False for frames developed
+/// without shot noise, and for pixels that are means of others.
 bool has_shot_noise(const LightFieldChannel& electrons, double full) {
   constexpr double kRounding = 0.999;  // of a square of a float
   bool seen = false;

@@ -55,8 +55,8 @@ class Watch {
         inner_(without_reports(execution)),
         rows_(rows),
         watch_(std::move(watch)) {}
-  /// The next solutions, about so many of them, lead up to this share of the whole. Most end before
-  /// their last iteration: each begins where the one before was to end.
+  /// The next `count` solutions advance the progress to this share of the whole. Most end before
+  /// their last iteration: each begins at the share where the previous one would have ended.
   SolverOptions watched(SolverOptions options, const ScaledProblem& problem, double to, int count,
                         bool choosing) {
     const int iterations = options.iterations;
@@ -88,8 +88,8 @@ class Watch {
   std::function<void(const ReconstructionState&)> watch_;
 };
 
-/// Unknowns of whose light a good part would go, in some view, to pixels that are dark: all of what
-/// such pixels see is dark, as nothing is negative.
+/// Marks unknowns that would send a large part of their light to dark pixels in some view. All
+/// unknowns that a dark pixel sees are dark, because none is negative.
 std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
                               const MeasuredRows& measured, std::size_t views) {
   std::vector<char> empty(a.columns(), 0);
@@ -133,8 +133,8 @@ void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRa
   if (!parallel_for(quiet, pieces.count(), task)) throw Cancelled();
 }
 
-/// The end of every solution: those of trial strengths, the one that is handed out and those of
-/// noise draws alike, whose misfits and deviations are to be those of the same problem.
+/// When solutions end. Trial strengths, the result and noise draws share this criterion, so that
+/// misfits and deviations belong to the same problem.
 SolverOptions solver_options(const ReconstructionSettings& settings, double rows) {
   SolverOptions options;
   options.iterations = settings.iterations;

@@ -28,7 +28,7 @@ constexpr char kReady = 'y';  ///< to rank 0
 constexpr char kDraw = 'd';   ///< from rank 0: piece, number of the view, its window, box, settings
 constexpr char kRows = 'm';   ///< from rank 0: piece, rays of some rows
 constexpr char kModel = 'l';  ///< from rank 0: what rows are, and the absorption
-constexpr char kPiece = 'p';  ///< to rank 0: piece, and what was asked for
+constexpr char kPiece = 'p';  ///< to rank 0: piece and its results
 constexpr char kEnds = 'u';   ///< from rank 0
 
 constexpr auto kPause = 1ms;

@@ -31,10 +31,10 @@ namespace {
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
 constexpr StrengthRange kRange{1e-8, 10, 3, 2, 200};
-/// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
-/// strength.
+/// Strengths are compared on linearisations about solutions of kTrialSteps steps; the first steps
+/// use kFirstStrength.
 constexpr int kLinearisations = 3, kTrialSteps = 4;
-/// A linearisation tells of strengths that many times weaker or stronger than the one of its own.
+/// A linearisation is valid for strengths weaker or stronger than its own by up to this factor.
 constexpr double kTrusted = 10;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
@@ -536,8 +536,8 @@ class ThermalSolver {
   struct Fluxes {
     std::vector<double> x, fluxes;
   };
-  /// The fluxes of the last variables that were tried, and of the last that were taken: after a
-  /// stop the picture of what was reached is known.
+  /// The fluxes of the last evaluated variables, and of the last accepted ones: after a stop they
+  /// give the picture of the result.
   mutable Fluxes last_, taken_;
   double unit_ = 1, rows_ = 0, strength_ = 0;
   BlockPenalty penalty_;

@@ -29,8 +29,8 @@ template <class Value = float>
 class CsrMatrix {
  public:
   CsrMatrix() = default;
-  /// @throws InputError for starts that fall or do not fit, columns that are outside or do not
-  ///         ascend within a row, values that are no numbers (names row and entry)
+  /// @throws InputError for starts that fall or do not fit, or columns outside. Also for columns
+  ///         that do not ascend within a row, and values that are no numbers (names row and entry)
   CsrMatrix(std::size_t columns, std::vector<std::int64_t> row_starts,
             std::vector<std::int32_t> column_indices, std::vector<Value> values);
 

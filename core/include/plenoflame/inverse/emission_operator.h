@@ -26,9 +26,11 @@ struct EmissionProblem {
 /// Entries that the stored matrix will have, from a sample of its rows: at 8 byte each.
 std::size_t estimated_entries(const EmissionProblem& problem);
 
-/// Lower bound of the number of entries, before rays are drawn: the entries of those sampled rows
-/// that the fewest rays find, less three standard errors. 0 if drawing all rays takes no longer.
-/// @param problem without rays yet @throws as draw_camera_rays()
+/// Lower bound of the number of entries, before rays are drawn. One ray per replicate finds the
+/// rows, and a sample of them is drawn in full. Three standard errors are subtracted. 0 if drawing
+/// all rays takes no longer.
+/// @param problem without rays yet
+/// @throws as draw_camera_rays()
 double least_entries(const EmissionProblem& problem, const std::vector<CameraView>& views,
                      const CameraRaySettings& settings, const Execution& execution);
 
@@ -45,8 +47,8 @@ CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Executio
 std::unique_ptr<LinearOperator> make_emission_operator(const EmissionProblem& problem,
                                                        const Execution& execution);
 
-/// The parts of A x that come from the rays of the first and of the second replicate, for some
-/// thousand evenly spread rows at most. Empty for rays of one replicate.
+/// The parts of A x that come from the rays of the first two replicates, for some thousand evenly
+/// spread rows at most. Empty for rays of one replicate.
 /// @throws Cancelled
 std::vector<std::array<double, 2>> replicate_fluxes(const EmissionProblem& problem,
                                                     std::span<const double> x,

@@ -18,8 +18,8 @@ struct ColourSettings {
 };
 
 /// A colour picture for display: 8 bits per sample, through the transfer function of sRGB. Colours
-/// outside of sRGB, and those brighter than white, are clamped in each channel. @throws InputError
-/// for images of different sizes, or values that are not finite
+/// outside of sRGB, and those brighter than white, are clamped in each channel.
+/// @throws InputError for images of different sizes, or values that are not finite
 PngImage colour_picture(const std::array<const Image*, 3>& images, const ColourSettings& settings);
 
 /// The channels of a light field that are a colour picture.

@@ -27,17 +27,20 @@ struct MicroImageGrid {
 /// @throws InputError when there are fewer than three
 MicroImageGrid fit_grid(const MicroImages& micro_images, const PixelWindow& window);
 
-/// The white image [W]: the light of each pixel of the window for a uniform scene with a radiance
-/// of 1 W/(m^2 sr), through all microlenses together.
+/// The white image [W]: each pixel's light from a uniform scene of radiance 1 W/(m^2 sr), through
+/// all microlenses together.
 Image white_image(const MicroImages& micro_images, const PixelWindow& window,
                   const Execution& execution = {});
 
 /// The sub-aperture views as pinhole cameras in a plane, fitted to the chief rays. All look along
 /// the optical axis and are sheared so that they agree on one plane. Offsets o are upright, in
-/// pixels of the raw image from the micro-images' centres. The view at offset o is at `centre_step
-/// * o` (camera x, y) in the plane z = `plane`. An object point (X, Y, Z) lies in pixel x = c +
-/// focal (X / (Z - plane)) - (focal centre_step o_x) (1 / (Z - plane) - 1 / (focus - plane)) of its
-/// picture. Here c is the optical axis, and signs are those of an upright picture.
+/// pixels of the raw image from the micro-images' centres. The view at offset o is at (camera x, y)
+/// = o * `centre_step` in the plane z = `plane`. An object point (X, Y, Z) lies in this pixel of
+/// its picture:
+///
+///   x = c + focal X / (Z - plane) - focal centre_step o_x (1 / (Z - plane) - 1 / (focus - plane))
+///
+/// Here c is the optical axis, and signs are those of an upright picture.
 struct ViewGeometry {
   double plane = 0;        ///< [m] z of the pinholes, camera frame: near the entrance pupil
   double focus = 0;        ///< [m] z of the plane on which the views agree; may be infinite

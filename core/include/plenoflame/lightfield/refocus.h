@@ -40,10 +40,10 @@ RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_i
                        const RefocusSettings& settings, const Execution& execution = {});
 
 /// The weight of each type of microlens at a depth. It is 1 if the type's blur is at most a pixel
-/// of the sensor, at most a picture pixel's size on the sensor, or as small as any type's. Beyond,
-/// it falls with the fourth power of the blur. In a coarse picture all types count, because more
-/// samples are spread more evenly. Blur as in depth_of_field() (camera/design.h), from first-order
-/// optics.
+/// of the sensor or a picture pixel's size on the sensor. It is also 1 for the type with the
+/// smallest blur. Beyond, it falls with the fourth power of the blur. In a coarse picture all types
+/// count, because more samples are spread more evenly. Blur as in depth_of_field()
+/// (camera/design.h), from first-order optics.
 /// @param pixel [m] side of a pixel of the picture on the plane at `depth`
 std::vector<double> type_weights(const Camera& camera, double depth, double pixel);
 

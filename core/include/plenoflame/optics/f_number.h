@@ -8,7 +8,7 @@ namespace plenoflame {
 /// is only narrowed, because the lens may not let more light through.
 /// @param f_number above 0
 /// @throws InputError if the stop would have to be widened, if there is not exactly one stop, or if
-///         the lens does not converge; the lens is then unchanged
+///         the lens does not converge. The lens is then unchanged
 void set_f_number(MainLensSpec& lens, double f_number);
 
 }  // namespace plenoflame

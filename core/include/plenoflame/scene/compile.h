@@ -55,15 +55,15 @@ struct CompiledScene {
   ChannelMix mix = {};
   std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
   double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
-  /// For a camera that disperses light, the scene of each wavelength, with a camera, pupils and
-  /// media of its own; this one is then that of the design wavelength. Read through paths().
+  /// For a camera that disperses light, the scene of each wavelength, with its own camera, pupils
+  /// and media. This scene is then that of the design wavelength. Read through paths().
   std::vector<CompiledScene> dispersed = {};
   /// Bodies that refract on the way of the camera's rays; nullptr when there are none.
   std::unique_ptr<const WindowSet> windows = {};
   /// Channel of the whole scene to which each channel of this path adds. Empty: the same.
   std::vector<int> film_channel = {};
-  /// The sources that media and surfaces were compiled from beside the scene, and each flame's own
-  /// medium, so that other scenes can share what is the same.
+  /// The sources from which media and surfaces were compiled, and each flame's own medium. Other
+  /// scenes share them if they are equal.
   std::vector<SourceFunction> sources = {}, emitters = {};
   std::vector<std::shared_ptr<const Medium>> flames = {};
   std::vector<std::shared_ptr<const Medium>> loaded = {};  ///< these before FlameSpec::brightness

@@ -25,9 +25,9 @@ struct SurfaceSpec {
   /// aspheric[i] h^(4 + 2 i), towards the sensor.
   double conic = 0;
   std::vector<double> aspheric = {};  ///< [1/m^3, 1/m^5, ...] from h^4 on, at most 7
-  /// A biconic surface in place of `radius`, `conic` and `aspheric`: with c_i = 1 / radius_i
-  ///   sag = (c_x x^2 + c_y y^2) / (1 + sqrt(1 - (1 + conic_x) c_x^2 x^2 - (1 + conic_y) c_y^2
-  ///   y^2))
+  /// A biconic surface in place of `radius`, `conic` and `aspheric`. With c_i = 1 / radius_i, its
+  /// sag is (c_x x^2 + c_y y^2) / (1 + sqrt(1 - q)), where q = (1 + conic_x) c_x^2 x^2 + (1 +
+  /// conic_y) c_y^2 y^2.
   double radius_x = 0, radius_y = 0;  ///< [m] of the sections along camera x, y; 0 both: it is none
   double conic_x = 0, conic_y = 0;
   /// optics/glass.h; empty: `index` as it is. Otherwise set_indices() has put the index there.

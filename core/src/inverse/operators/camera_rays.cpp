@@ -25,7 +25,7 @@ struct DrawnRay {
   CameraRay ray;
 };
 
-/// Neighbours in a square of so many pixels are a piece, if these are not too many.
+/// A square of neighbouring pixels with this side is a piece, unless it has too many rows or rays.
 constexpr int kPieceSide = 64;
 constexpr std::size_t kRowsOfPiece = 512, kRaysOfPiece = std::size_t{1} << 18;
 
@@ -209,8 +209,8 @@ void check_view(const CameraView& view, const PixelWindow& window, const Box& bo
   check_region(*view.compiled, box, "the grid of the unknowns", view.compiled_name);
 }
 
-/// Hands out rays of one camera, those of a tile in an order that does not depend on threads, and
-/// those of a pixel in one that does not depend on the window either.
+/// Hands out rays of one camera. The order of a tile's rays does not depend on threads; the order
+/// of a pixel's rays does not depend on the window either.
 void draw(const CompiledScene& scene, const Blocks& blocks, const Box& box,
           const CameraRaySettings& settings, const Execution& execution, const TakeRay& take) {
   RenderSettings render;

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kLit = 5;  ///< deviations above which a pixel counts
 constexpr int kSteps = 20;
-/// Share of the largest curvature: less is not told by the pictures. One camera's rays diverge by
-/// its field of view, whose square it has of its own depth, and what round flames are not makes
-/// more of that.
+/// Directions below this share of the largest curvature are held, because the pictures do not
+/// determine them. One camera measures its own depth only by the divergence of its rays: the square
+/// of its field of view. Flames that are not round add to this curvature.
 constexpr double kHeld = 1e-2;
 constexpr double kSettled = 1e-9;
 
