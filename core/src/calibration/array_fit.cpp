@@ -34,8 +34,8 @@ std::optional<Vec2> traced_centre(const Camera& camera, LensIndex lens, Vec2 sta
   return std::nullopt;
 }
 
-/// Lens (0, 0) becomes the nominal camera's: of the micro-images of its type, that nearest to where
-/// the nominal one has it, if that is one pitch away at most.
+/// Lens (0, 0) becomes the nominal camera's. It is the micro-image of its type nearest to the
+/// nominal place, if that is at most one pitch away.
 void choose_origin(const CameraSpec& nominal, const WhiteLattice& lattice, Vec2 middle,
                    ArrayFit& fit) {
   const std::optional<Vec2> expected = traced_centre(Camera(nominal), {0, 0}, middle);
@@ -269,8 +269,8 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   const Eigen::MatrixXd covariance = variance * (static_cast<double>(used.size()) / all) * inverse +
                                      inverse * pulls * pulls.transpose() * inverse;
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
-  // However many centres there are, the middle of a soft disc differs from the ray through the
-  // middle of the stop by some thousandths of a pixel, more at the edge.
+  // For any number of centres, the middle of a soft disc differs from the ray through the middle of
+  // the stop by some thousandths of a pixel, more at the edge.
   constexpr double kTrueCentres = 0.006;  // [pixel] in the corners
   fit.pitch_error =
       std::hypot(error(0), array.pitch * kTrueCentres / (0.5 * std::hypot(width, height)));

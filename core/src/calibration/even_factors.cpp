@@ -73,7 +73,7 @@ EvenFactors even_factors(
     const auto [light, variance] = light_of(i);
     likeness[colour_of(i)].add(light, wanted);
     if (wanted < kLeastLight * brightest) continue;
-    // A pixel that saw next to nothing where light was to be has no factor.
+    // A pixel that saw almost no light where light was expected has no factor.
     if (!(light > 5 * std::sqrt(variance))) {
       even.factors[i] = -1;
       continue;

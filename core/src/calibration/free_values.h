@@ -10,7 +10,7 @@ namespace plenoflame {
 enum class ValueGroup {
   optics,     ///< corners
   array,      ///< centres of micro-images
-  distortion  ///< corners; searched for where it is asked for
+  distortion  ///< corners; searched only on request
 };
 
 /// A value of the camera that can be searched for.

@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kMostTurns = 5;
 
-/// @throws InputError where what was seen lies neither on the sensor nor within a micro-image of
-/// it, whose edge may cut off the part where the centre or, with noise, a corner is
+/// @throws InputError for an observation outside of the sensor by more than a micro-image. The edge
+///         may cut off the part of a micro-image that holds its centre or, with noise, a corner
 void check_on_sensor(const CameraSpec& camera, const std::string& what, Vec2 pixel) {
   const SensorSpec& sensor = camera.sensor;
   const Vec2 margin{camera.array.pitch / sensor.pixel().x, camera.array.pitch / sensor.pixel().y};

@@ -20,8 +20,8 @@ struct CellPixel {
   double x = 0, y = 0, value = 0;
 };
 
-/// Adds the disc of parameters p, moved by `step`, at a pixel. The edge of a large disc that is
-/// blurred by a small one of radius b: the share of a disc on one side of a chord at t b from its
+/// Adds the disc of parameters p, moved by `step`, at a pixel. The edge of a large disc is blurred
+/// by a small one of radius b. It is the share of a disc on one side of a chord at t b from its
 /// middle, 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
 double add_disc(const Vector& p, Vec2 step, const CellPixel& pixel, Vector& slope) {
   const double x = pixel.x - p[0], y = pixel.y - p[1];

@@ -380,8 +380,7 @@ WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int
 std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
                                 const Execution& execution) {
   const LatticeCell cell(lattice.guess, white);
-  // The stop's image is smaller or larger: its size in the middle of the picture is asked for
-  // first.
+  // The stop's image is smaller or larger, so its size in the middle of the picture is found first.
   const double radius = find_lattice(white).radius;
   std::vector<MicroImageFit> images = lattice.images;
   const bool done = parallel_for(execution, images.size(), [&](std::size_t k, int) {

@@ -20,7 +20,8 @@ bool must_be_stored(const ReconstructionSettings& settings);
 bool is_stored(const ReconstructionSettings& settings, double matrix_bytes, bool at_least = false);
 
 /// Adds two pictures for each view, the explained and the unexplained light, at the first pixel of
-/// each row. @param flux, explained [W] of the rows
+/// each row.
+/// @param flux, explained [W] of the rows
 /// @param weights 0: the row is left out
 void add_row_pictures(const std::vector<Measurement>& measurements, const CameraRays& rays,
                       std::span<const double> flux, std::span<const double> explained,

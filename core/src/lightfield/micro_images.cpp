@@ -69,8 +69,8 @@ CameraSpec single_type(const Camera& camera, std::size_t type) {
   return in_place(std::move(spec), camera);
 }
 
-/// The same with wider apertures of the main lens, so that the rays at the rim of the stop get
-/// through: the fit then needs no extrapolation.
+/// The same with wider apertures of the main lens, so that rays at the rim of the stop get through
+/// and the fit needs no extrapolation.
 CameraSpec opened(CameraSpec spec) {
   spec.lens.diameter *= 1.1;
   for (SurfaceSpec& surface : spec.lens.surfaces) {
@@ -151,7 +151,8 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
 }
 
 /// The lines of the chief rays of a micro-image, in the frame of the main lens, along and across
-/// `outwards`. @param aim the middle of the microlens @return none where too little gets through
+/// `outwards`.
+/// @param aim the middle of the microlens @return none where too little gets through
 std::optional<MicroImages::Lines> MicroImages::fit_lines(const Camera& open, LensIndex lens,
                                                          Vec2 aim, Vec2 centre, double radius,
                                                          Vec2 outwards) {

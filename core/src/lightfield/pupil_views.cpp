@@ -37,7 +37,7 @@ int part_of(const PupilFilters& filters, Vec2 at, double blur) {
 }
 
 /// The point where the ray from a sensor point through the middle of a microlens crosses the stop,
-/// in its radii: affine about the middle of the micro-image, which the outermost rays fix.
+/// in its radii. It is affine about the middle of the micro-image and fitted to the outermost rays.
 struct StopOfLens {
   Vec2 middle, along_x, along_y;  ///< of the sensor point's way from there, over its radius
 

@@ -1,5 +1,5 @@
-// Radiance through homogeneous ellipsoids: plain loops over a block of rays per step, each with
-// many independent rays in flight; the vectoriser turns every one of them into vector code.
+// Radiance through homogeneous ellipsoids. Each step is a plain loop over a block of independent
+// rays, which the compiler turns into vector code.
 #include "math/kernel_exp.h"
 #include "media/layered_kernel.h"
 
@@ -33,8 +33,8 @@ PLENOFLAME_INLINE LayeredScratch<Real> make_scratch(Real* p, int layers) {
   return s;
 }
 
-/// Into the local frame, each ray's point moved to where the ray passes the medium's origin, so
-/// that every later t is of the medium's size and keeps its digits.
+/// Transforms rays into the local frame. Each ray's point moves to where the ray passes the
+/// medium's origin, so every later t has the medium's size and keeps its digits.
 template <class Real>
 PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int count,
                                 const LayeredScratch<Real>& s) {
@@ -94,8 +94,8 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
 }
 
 /// The interval in which the rays are inside of one layer. In the space where the ellipsoid is the
-/// unit sphere, from the point q nearest to its centre: half chord sqrt((1 - q.q) / (v.v)), which
-/// loses no digits to the distance. A miss gives an empty interval.
+/// unit sphere, q is the ray's point nearest to the centre. Half the chord is sqrt((1 - q.q) /
+/// (v.v)), which loses no digits to the distance. A miss gives an empty interval.
 /// @param low, high what the interval is clamped to, if kClamped
 template <bool kClamped, class Real>
 PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int count,

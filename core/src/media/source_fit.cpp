@@ -28,8 +28,8 @@ std::vector<double> interpolate(const std::vector<double>& x, std::vector<double
   return out;
 }
 
-/// The polynomial p, highest power first, with log_of(v) = log_of(from) + (v - from) p(v - from);
-/// empty when it takes more terms, or terms that cancel so much that single precision suffers.
+/// The polynomial p, highest power first, with log_of(v) = log_of(from) + (v - from) p(v - from).
+/// Empty if it needs more terms, or if its terms cancel too much for single precision.
 /// @param tolerance relative to 1 - log_of(v)
 template <class LogOf>
 std::vector<double> fit_piece(const LogOf& log_of, double from, double to, double tolerance,

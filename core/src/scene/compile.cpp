@@ -24,8 +24,8 @@ std::string flame_in_words(const Scene& scene, std::size_t index) {
   return "flame " + (name.empty() ? std::to_string(index) : "\"" + name + "\"");
 }
 
-/// A solid surface around the camera is a room where the flames are in it, too; otherwise it hides
-/// them, which is no picture that anybody wants.
+/// A solid surface around the camera must also hold the flames, like a room. Otherwise it hides
+/// them, which is an error; without flames it is a warning.
 void check_camera_outside(const CompiledScene& compiled, const PositionMap& positions,
                           const Execution& execution) {
   const Scene& scene = compiled.scene;

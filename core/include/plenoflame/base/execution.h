@@ -31,7 +31,7 @@ struct Execution {
   void warn(const std::string& text) const {
     if (message) message(Severity::warning, text);
   }
-  /// The same number of threads, without stop and reports: for work that is also needed after a
+  /// The same number of threads, without stop and reports. For work that is also needed after a
   /// stop, such as writing the picture rendered so far.
   Execution threads_only() const {
     Execution inner;

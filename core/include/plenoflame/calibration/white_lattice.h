@@ -29,8 +29,8 @@ struct MicroImageFit {
 /// because the array may be tilted), then distorted about the picture's middle.
 struct LatticeModel {
   bool hexagonal = false;
-  /// x = (h0 u + h1 v + h2) / (1 + h6 u + h7 v), y = (h3 u + h4 v + h5) / (...). (u, v) is (i +
-  /// j/2, j sin 60) / scale (hexagonal) or (i, j) / scale.
+  /// x = (h0 u + h1 v + h2) / (1 + h6 u + h7 v), y = (h3 u + h4 v + h5) / (...). Here (u, v) is (i
+  /// + j/2, j sin 60) / scale (hexagonal) or (i, j) / scale.
   std::array<double, 8> homography{};
   double scale = 1;
   Vec2 middle;       ///< [pixel] of the picture

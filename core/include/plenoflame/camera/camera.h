@@ -21,8 +21,8 @@ struct IdealLens {
   double rear_principal = 0;   ///< z of the principal plane on the sensor's side [m]
   double front_principal = 0;  ///< z of the one on the scene's side [m]
   double focal_length = 0;     ///< [m]
-  /// A ray with height h and slope s at the rear principal plane (towards the scene) meets the stop
-  /// at stop_height * h + stop_slope * s, up to scale. It passes within stop_radius.
+  /// A ray has height h and slope s at the rear principal plane (towards the scene). It meets the
+  /// stop at stop_height * h + stop_slope * s, up to scale, and passes within stop_radius.
   double stop_height = 1;
   double stop_slope = 0;   ///< [m]
   double stop_radius = 0;  ///< [m]
@@ -133,18 +133,19 @@ class Camera {
     std::optional<LensIndex> lens;  ///< through which it went; none: no array, or between lenses
     Vec2 sensor_point;              ///< [m] camera x, y
     /// Solid angle times projected area of a thin beam around the ray, on the sensor over that in
-    /// the scene, times the transmission of surfaces and cover glass. The first factor is 1 for
-    /// refraction and cos^4 / cos^4 of the angles with the axis for the paraxial transform. It
-    /// changes the beam's flux, but not its radiance.
+    /// the scene. It is 1 for refraction and cos^4 / cos^4 of the angles with the axis for the
+    /// paraxial transform. It changes the beam's flux, but not its radiance. The transmission of
+    /// surfaces and cover glass is multiplied in.
     double etendue_ratio = 1;
     int pupil_part = 0;  ///< PupilFilters::part_at() where it crossed the stop
   };
-  /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of
-  /// the sensor, in double precision: the reverse of trace(). Appends the arrivals through every
-  /// microlens that lets the ray pass. There is one, or several for ideal types with different
-  /// principal planes. Between microlenses the ray arrives where the array is clear.
+  /// Traces a ray that comes from the scene to the plane of the sensor, in double precision: the
+  /// reverse of trace(). The ray is in the camera frame and travels towards -z. Appends the
+  /// arrivals through every microlens that lets the ray pass. There is one, or several for ideal
+  /// types with different principal planes. Between microlenses the ray arrives where the array is
+  /// clear.
   /// @param points gets the points where the ray met each surface, and the sensor point of its
-  ///        first arrival; with status missed, the last point is meaningless
+  ///        first arrival. With status missed, the last point is meaningless
   /// @return why the ray ended if it does not arrive; surfaces are numbered from the scene
   TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals,
                                std::vector<Vec3>* points = nullptr) const;

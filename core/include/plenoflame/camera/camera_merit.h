@@ -9,8 +9,9 @@ namespace plenoflame {
 
 /// Figures by which a camera is judged. All merits are better when greater.
 enum class MeritKind {
-  /// Depth of field: minus the mean of (blur / pixel - 1)^2 where no type is sharp to a pixel, over
-  /// equal steps of 1/a in `array_range`. 0 if the types' ranges cover it without a gap. Paraxial.
+  /// Depth of field, paraxial: minus the mean of (blur / pixel - 1)^2 over equal steps of 1/a in
+  /// `array_range`. Only depths at which no type is sharp to a pixel count, so 0 means that the
+  /// types' ranges have no gap.
   depth,
   /// The least effective resolution (one axis, best type) over `near` to `far`.
   resolution,

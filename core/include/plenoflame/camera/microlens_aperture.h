@@ -6,7 +6,7 @@
 
 namespace plenoflame {
 
-/// The clear aperture of every microlens of an array, about its centre in the array's axes: a
+/// The clear aperture of every microlens of an array, about its centre in the array's axes. It is a
 /// circle, or the area between pairs of parallel sides.
 class MicrolensAperture {
  public:

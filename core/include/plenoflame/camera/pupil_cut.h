@@ -11,6 +11,7 @@ namespace plenoflame {
 ///
 /// A line runs from the micro-image's centre through the sensor point, and in the aim plane through
 /// the centre of the microlens. Coordinate p counts along it, q across. Open points satisfy
+///
 ///     low <= p <= high,
 ///     q^2 <= (p - low) (low_far - p),
 ///     q^2 <= (high - p) (p - high_far):

@@ -14,9 +14,9 @@ namespace plenoflame {
 /// the optical axis. They are derived from traced pupil edges (docs/theory.md, "Pupil sampling").
 ///
 /// Sensor points s and points u of the aim plane are relative to the microlens' centre. Their first
-/// axis points away from the optical axis. A ray (s, u) reaches the scene only inside the two discs
-/// of the microlens' own apertures (PupilTable) and inside the cut that belongs to s. Without array
-/// u is relative to the optical axis, and one disc at `aim_centre` bounds it.
+/// axis points away from the optical axis. A ray (s, u) reaches the scene only inside the discs of
+/// the microlens' two apertures (PupilTable) and inside the cut of s. Without array u is relative
+/// to the optical axis, and one disc at `aim_centre` bounds it.
 struct PupilNode {
   double centre = 0;        ///< of the micro-image, first axis [m]
   double image_radius = 0;  ///< of the micro-image seen from the microlens' middle [m]; 0: dark
@@ -65,10 +65,10 @@ struct ApertureDiscs {
   double radius_at(Vec2 s) const { return radius + growth * dot(s, s); }
 };
 
-/// The area between pairs of parallel sides of a microlens' apertures, in the aim plane, for a
-/// sensor point s: |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| < far_half.
-/// The shifts are those of the discs bounded by the circumscribed circles. A round aperture has no
-/// pairs.
+/// The area between pairs of parallel sides of a microlens' apertures, in the aim plane. For a
+/// sensor point s it is |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| <
+/// far_half. The shifts are those of the discs bounded by the circumscribed circles. A round
+/// aperture has no pairs.
 struct ApertureSides {
   int pairs = 0;
   std::array<Vec2, MicrolensAperture::kMostPairs> normals{};
@@ -87,7 +87,7 @@ class PupilTable {
   std::vector<PupilNode> nodes;
   /// Rays that bound the beam, per node, as they leave the camera (camera frame). They belong to a
   /// microlens centre (or sensor point) on the +x axis, without the distortion of the main lens.
-  /// They lie at the edge of the open pupil and within it: zones of a lens focus at different
+  /// They lie at the edge of the open pupil and within it. Zones of a lens focus at different
   /// distances, so rays at the edge need not be the outermost.
   std::vector<std::vector<Ray>> edges;
 

@@ -8,8 +8,8 @@ namespace plenoflame {
 
 /// Effective resolution ratio along one axis of a point at `array_distance` a [m] in front of the
 /// array (negative: behind it). It is the number of image pixels that the micro-images can make up,
-/// over pixels of the sensor. A micro-image shows the point smaller by |B / a|, here at most 1, and
-/// blurred over s = D |B (1/f - 1/a) - 1|:
+/// over pixels of the sensor. A micro-image shows the point smaller by |B / a|, here at most 1. Its
+/// blur is s = D |B (1/f - 1/a) - 1|, so that the ratio is
 ///     min(1, |B / a|) * p / max(s, p, least_spot)
 /// Perwass and Wietzke, Proc. SPIE 8291 (2012), 829108. Squared it is the share of the area.
 /// @param least_spot [m] of diffraction, 1.22 wavelength * B / D, or 0

@@ -4,16 +4,16 @@
 namespace plenoflame {
 
 /// The sensor with its gain and black level as numbers. A gain of 0 becomes the gain at which the
-/// full well is the largest digital number. A black level of 0 becomes the smallest integer that
-/// leaves room for kReadNoiseRoom standard deviations of the read noise, at most half of the range.
-/// Without this room the converter, which gives no negative numbers, would cut off half of the
-/// noise and raise the mean of dark pixels.
+/// full well is the largest digital number. A black level of 0 becomes the smallest integer with
+/// room for kReadNoiseRoom standard deviations of the read noise below it. It is at most half of
+/// the range. Without this room the converter, which gives no negative numbers, would cut off half
+/// of the noise and raise the mean of dark pixels.
 SensorSpec resolved_levels(SensorSpec sensor);
 
 /// Standard deviations of the read noise for which a black level of 0 makes room.
 inline constexpr double kReadNoiseRoom = 5;
 
-/// Counts from which on a pixel is full: the smaller of the largest number and the full well minus
+/// Counts from which on a pixel is full, at most the largest number. The full well is reduced by
 /// five standard deviations of the read noise. @param levels resolved
 double full_counts(const SensorSpec& levels);
 

@@ -10,10 +10,11 @@ namespace plenoflame {
 
 /// The difference of one image from a reference, over the pixels that both hold. A pixel is lit
 /// when the weighted mean of both is above kLitShare (film.h) of its largest value. Each image is
-/// weighted by the other's mean variance (equal weights without standard errors), so that noise
-/// does not select pixels in which one image is too bright. Values marked * use the standard errors
-/// s of both images, s^2 = s_a^2 + s_b^2, plus the rounding of the stored single precision. An
-/// image without standard errors counts as exact; errors of different pixels count as independent.
+/// weighted by the other's mean variance, so that noise does not select pixels in which one image
+/// is too bright. Without standard errors the weights are equal. Values marked * use the standard
+/// errors s of both images, s^2 = s_a^2 + s_b^2, plus the rounding of the stored single precision.
+/// An image without standard errors counts as exact; errors of different pixels count as
+/// independent.
 struct Comparison {
   PixelWindow window;  ///< common part of both
   std::size_t lit_pixels = 0;
@@ -29,7 +30,7 @@ struct Comparison {
   bool has_standard_errors = false;  ///< either has; all below is 0 otherwise
   double relative_bias_error = 0;    ///< * standard error of relative_bias
   /// * The larger relative standard error of the two means over lit pixels. Pixels that no ray with
-  /// light has reached do not make it too small: the squared errors of the others are too large by
+  /// light has reached do not make it too small. The squared errors of the others are too large by
   /// the same amount.
   double mean_error = 0;
   /// * Value of relative_rmse expected for an unbiased a: sqrt(mean(s^2)) / mean(b).
@@ -47,10 +48,11 @@ struct Comparison {
   /// or (R - 1) / (R - 3) when s was estimated from R replicates.
   double chi_square = 0;
   std::size_t chi_square_pixels = 0;
-  /// Detects differences that are small in each pixel but alike among neighbours. (sum of a - b)^2
-  /// over sum of (a - b)^2 in blocks of kBlock x kBlock pixels, both summed over blocks in units of
-  /// their flux. 1 if differences are independent, with any size and distribution. Nearer to 1 if
-  /// they are smaller than the standard errors, as for images with the same seed.
+  /// Detects differences that are small in each pixel but alike among neighbours. It is the ratio
+  /// of (sum of a - b)^2 and sum of (a - b)^2 in blocks of kBlock x kBlock pixels. Both are summed
+  /// over blocks in units of their flux. 1 if differences are independent, with any size and
+  /// distribution. Nearer to 1 if they are smaller than the standard errors, as for images with the
+  /// same seed.
   double block_chi_square = 0;
   std::size_t blocks = 0;
   /// The excess of that over 1, in standard deviations of a normal distribution (Wilson and

@@ -10,9 +10,9 @@ inline constexpr int kSobolDimensions = 8;
 /// Direction numbers: Joe and Kuo, SIAM J. Sci. Comput. 30 (2008), 2635, set D(6).
 std::uint32_t sobol(std::uint32_t index, int dimension);
 
-/// Nested uniform (Owen) scrambling of a 32-bit fraction (Owen, MCQMC 1994 (1995), 299). Whether a
-/// bit is flipped depends on the seed and on all higher bits, below the 18th bit only on the
-/// highest 18. Points that agree in the highest 18 bits therefore keep their distance.
+/// Nested uniform (Owen) scrambling of a 32-bit fraction (Owen, MCQMC 1994 (1995), 299). The flip
+/// of a bit depends on the seed and on all higher bits, below the 18th bit only on the highest 18.
+/// Points that agree in the highest 18 bits therefore keep their distance.
 /// @param seed well mixed: seeds that differ in their low 19 bits only share some of the flips
 std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed);
 

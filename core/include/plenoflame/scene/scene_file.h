@@ -47,8 +47,9 @@ std::vector<EllipsoidSpec> parse_layers(std::string_view text, const std::string
 /// A scene from a file. @throws FileError when it cannot be read, InputError as parse_scene
 SceneDocument read_scene_file(const std::string& path);
 
-/// The whole scene as TOML, every key with a value (for a window its glass or its index).
-/// parse_scene gives back an equal scene, bit for bit. Presets and comments of a file are not kept.
+/// The whole scene as TOML, every key with a value (for a window its glass or its index). The
+/// function parse_scene gives back an equal scene, bit for bit. Presets and comments of a file are
+/// not kept.
 /// @throws InputError when a value is NaN or a text is not UTF-8
 std::string write_scene(const Scene& scene);
 

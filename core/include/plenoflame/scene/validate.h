@@ -26,8 +26,8 @@ struct SceneIssue {
 /// "file:line:column: message".
 std::string to_string(const SceneIssue& issue);
 
-/// All errors and warnings of a scene, in a fixed order: values out of range, surfaces that
-/// overlap, a missing stop, a flame inside the camera, ... Files that it names are not opened.
+/// All errors and warnings of a scene, in a fixed order: values out of range, overlapping surfaces,
+/// a missing stop, a flame inside the camera, ... The function opens no files.
 std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& positions = {});
 
 /// The warnings of check_scene. @throws InputError with the first error, at its place in the file

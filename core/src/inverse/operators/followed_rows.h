@@ -13,10 +13,10 @@
 
 /// Operators whose rows are made by following rays: without a matrix, or stored.
 ///
-/// `Rows` is copied freely and has rows(), columns(), pieces() and walk(). walk() returns an object
-/// for one thread; its follow(row, use) calls use(column, value) for every contribution to the row.
-/// The order of contributions depends on nothing but the row. Rows of a piece are followed one
-/// after the other: their rays may be drawn together (RowRays).
+/// `Rows` is copied freely and has rows(), columns(), pieces() and walk(). The latter returns an
+/// object for one thread; its follow(row, use) calls use(column, value) for every contribution to
+/// the row. The order of contributions depends on nothing but the row. Rows of a piece are followed
+/// one after the other: their rays may be drawn together (RowRays).
 namespace plenoflame {
 
 /// Rows of a stored matrix that one task works on.

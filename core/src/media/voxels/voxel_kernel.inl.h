@@ -33,8 +33,8 @@ class Packet {
   }
 
  private:
-  // From world to cell coordinates, clipped to the medium's box: in double, for the anchor may be
-  // far from the lattice's origin and the rays from the medium.
+  // From world to cell coordinates, clipped to the medium's box. In double precision, because the
+  // anchor may be far from the lattice's origin and the rays far from the medium.
   void start() {
     alignas(64) double from[kLanes], to[kLanes];
     for (int l = 0; l < kLanes; ++l) {
@@ -119,8 +119,8 @@ class Packet {
     set_planes(temperature_line_, end_);
   }
 
-  // Steps every searching ray to its next brick that must be crossed cell by cell; over empty
-  // blocks and bricks at once, through constant bricks in closed form.
+  // Steps every searching ray to its next brick that must be crossed cell by cell. Empty blocks and
+  // bricks are crossed in one step, constant bricks in closed form.
   // @return false when no ray has any left
   bool next_bricks() {
     for (int l = 0; l < kLanes; ++l) found_[l] = 0;
@@ -313,7 +313,7 @@ class Packet {
   }
 
   // Lays out the next interval of every lane: up to the next face of its cell (or of the constant
-  // block around it), or less where the cell is to be cut.
+  // block around it), or less if the cell is cut.
   // @return lanes that still have a part of their brick before them; the others get length 0
   template <bool kOwnTemperature, bool kPlain>
   int advance(Crossing& at, Intervals<Real>& now, Intervals<Real>& own) {
@@ -360,8 +360,8 @@ class Packet {
       const Real h = until - begin;
       now.length[l] = h;
       const Real node0 = begin + kNode0 * h, node1 = begin + kNode1 * h;
-      // Rounding may put a node 1e-5 of a spacing outside of its cell: continuing the cell's
-      // interpolation there is harmless, and absorption is kept from falling below 0 in compose().
+      // Rounding may put a node 1e-5 of a spacing outside of its cell. Extrapolation over this
+      // distance is harmless, and compose() keeps absorption from falling below 0.
       const Real c_x = o_x - static_cast<Real>(x), c_y = o_y - static_cast<Real>(y),
                  c_z = o_z - static_cast<Real>(z);
       now.at[0].x[l] = c_x + node0 * d_x;
@@ -539,8 +539,8 @@ class Packet {
     }
   }
 
-  // Light and transmittance are counted in units of 2^-60: what cold gas sends through the first
-  // cells is no denormal number, which would cost a hundred times as much.
+  // Light and transmittance are in units of 2^-60. Light of cold gas in the first cells is then no
+  // denormal number, which would cost a hundred times as much.
   static constexpr Real kAllPasses = Real(0x1p60), kOpaque = Real(1e-7) * kAllPasses;
 
   const voxel::Call<Real>& call_;

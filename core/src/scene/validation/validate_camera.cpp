@@ -71,8 +71,8 @@ void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& 
                            short_length(a.thickness - gap)));
 }
 
-/// A thin lens of two spheres that hold its diameter, of the highest index that a file can give,
-/// has this focal length over the diameter: R / (2 (n - 1)) with 2 R = D and n = 5.
+/// Smallest focal length over diameter: R / (2 (n - 1)) with 2 R = D and n = 5. It belongs to a
+/// thin lens of two spheres of that diameter and of the highest index that a file can give.
 constexpr double kShortest = 1.0 / 16;
 
 /// An ideal lens that no glass could be.
