@@ -269,8 +269,8 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   const Eigen::MatrixXd covariance = variance * (static_cast<double>(used.size()) / all) * inverse +
                                      inverse * pulls * pulls.transpose() * inverse;
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
-  // For any number of centres, the middle of a soft disc differs from the ray through the middle of
-  // the stop by some thousandths of a pixel, more at the edge.
+  // The middle of a soft disc differs from the ray through the middle of the stop by some
+  // thousandths of a pixel. It is largest at the edge, and more centres do not help.
   constexpr double kTrueCentres = 0.006;  // [pixel] in the corners
   fit.pitch_error =
       std::hypot(error(0), array.pitch * kTrueCentres / (0.5 * std::hypot(width, height)));

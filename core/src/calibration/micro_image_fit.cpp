@@ -21,8 +21,8 @@ struct CellPixel {
 };
 
 /// Adds the disc of parameters p, moved by `step`, at a pixel. The edge of a large disc is blurred
-/// by a small one of radius b. It is the share of a disc on one side of a chord at t b from its
-/// middle, 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
+/// by a small one of radius b. The value is the share of a disc on one side of a chord. With the
+/// chord at t b from the middle it is 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
 double add_disc(const Vector& p, Vec2 step, const CellPixel& pixel, Vector& slope) {
   const double x = pixel.x - p[0], y = pixel.y - p[1];
   const double dx = x - step.x, dy = y - step.y;

@@ -69,7 +69,7 @@ CameraSpec single_type(const Camera& camera, std::size_t type) {
   return in_place(std::move(spec), camera);
 }
 
-/// The same with wider apertures of the main lens, so that rays at the rim of the stop get through
+/// The same with wider apertures of the main lens. Rays at the rim of the stop then get through,
 /// and the fit needs no extrapolation.
 CameraSpec opened(CameraSpec spec) {
   spec.lens.diameter *= 1.1;

@@ -5,12 +5,16 @@
 
 namespace plenoflame::voxel {
 
-/// A source function as one exponential for single precision: S(T) = highest * (1 - c) E / (1 - c
-/// E),  E = exp(v (c_0 + c_1 v + ...)),  v = 1/T - 1/hottest. For one wavelength, with x =
-/// hc/(lambda k), E = exp(-x v) and c = exp(-x / hottest), this is Planck's law. For a band, ln E
-/// is almost a straight line in v, so few terms replace the quadrature over the band. Wide
-/// responses of several lobes bend more. For them another polynomial follows beyond `split`: ln E =
-/// at_split + u (d_0 + d_1 u + ...), u = v - split.
+/// A source function as one exponential for single precision:
+///
+///   S(T) = highest * (1 - c) E / (1 - c E),  E = exp(v (c_0 + c_1 v + ...)),  v = 1/T - 1/hottest
+///
+/// For one wavelength, with x = hc/(lambda k), E = exp(-x v) and c = exp(-x / hottest), this is
+/// Planck's law. For a band, ln E is almost a straight line in v, so few terms replace the
+/// quadrature over the band. Wide responses of several lobes bend more. For them another polynomial
+/// follows beyond `split`:
+///
+///   ln E = at_split + u (d_0 + d_1 u + ...),  u = v - split
 struct SourceFit {
   std::vector<double> terms;      ///< highest power first; empty: no fit of that accuracy
   std::vector<double> far_terms;  ///< highest power first; empty: one polynomial does it

@@ -120,8 +120,8 @@ std::vector<double> interpolatory_weights(const std::vector<double>& places,
   return weights;
 }
 
-/// A rule for the measure at some of the places, all of whose weights are positive: emission must
-/// not become negative, not even of gas whose spectrum the rule is not made for.
+/// A rule for the measure at some of the places, with positive weights only. Emission must not
+/// become negative, even for gas of another spectrum than the rule's.
 MeasurePoints positive_rule(std::vector<double> places, const MeasurePoints& measure) {
   for (;;) {
     std::vector<double> weights = interpolatory_weights(places, measure);

@@ -14,7 +14,9 @@ namespace plenoflame {
 /// Brown, "Close-range camera calibration", Photogrammetric Engineering 37 (1971) 855):
 ///
 ///     v = u (1 + k1 r^2 + k2 r^4 + k3 r^6) + (2 p1 x y + p2 (r^2 + 2 x^2),
-///                                             p1 (r^2 + 2 y^2) + 2 p2 x y),  u = (x, y), r = |u|
+///                                             p1 (r^2 + 2 y^2) + 2 p2 x y)
+///
+/// with u = (x, y) and r = |u|.
 class LensDistortion {
  public:
   LensDistortion() = default;  ///< none

@@ -31,10 +31,10 @@ struct RawLayout {
   std::uint64_t skip = 0;  ///< bytes in front of the first picture
 };
 
-/// Reads all pictures of a file in turn; only one picture is held at a time. Formats are the pages
-/// of a TIFF (strips or tiles, 1 to 16 bits), a PNG, a PGM (P5), or a JPEG of 8 bits (marked as
-/// lossy). A PNG has 8 or 16 bits, or the significant bits that it declares. Numbers without header
-/// are read as `layout` says.
+/// Reads all pictures of a file in turn; only one picture is held at a time. Formats: the pages of
+/// a TIFF (strips or tiles, 1 to 16 bits), a PNG, a PGM (P5). A JPEG of 8 bits is marked as lossy.
+/// A PNG has 8 or 16 bits, or the significant bits that it declares. Numbers without header are
+/// read as `layout` says.
 /// @throws FileError: cannot be read, no picture, cut off, damaged, unsupported kind (floating
 ///         point, palettes). Sizes in the header are checked before memory is allocated
 void read_raw_pictures(const std::string& path, const RawLayout& layout,

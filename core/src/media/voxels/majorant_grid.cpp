@@ -6,8 +6,8 @@ namespace plenoflame {
 namespace {
 
 constexpr int kMostCells = 32;  ///< along the longest side
-/// Margin of a box, relative to the size of the medium: rounding may move a place near the face of
-/// a cell to the other side.
+/// Margin of a box, relative to the medium's size: rounding may move a place near a cell's face to
+/// the other side.
 constexpr double kRounding = 1e-9;
 
 }  // namespace

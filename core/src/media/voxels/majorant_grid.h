@@ -19,8 +19,8 @@ class MajorantGrid {
   explicit MajorantGrid(const Medium& medium);
 
   /// Proposes places along the ray within the bounds and [near, far], by the majorant of a node,
-  /// until one is accepted. accept(t, majorant) [m, 1/m] must accept with the probability
-  /// extinction / majorant.
+  /// until one is accepted. The function accept(t, majorant) [m, 1/m] must accept with the
+  /// probability extinction / majorant.
   /// @return whether one was; t is its place then
   template <class Accept>
   bool draw(const Ray& ray, double near, double far, std::size_t node, NoiseStream& noise,

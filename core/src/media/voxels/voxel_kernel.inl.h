@@ -312,8 +312,8 @@ class Packet {
     return special == 0;
   }
 
-  // Lays out the next interval of every lane: up to the next face of its cell (or of the constant
-  // block around it), or less if the cell is cut.
+  // Lays out the next interval of every lane. It ends at the next face of its cell (or of the
+  // constant block around it), or earlier if the cell is cut.
   // @return lanes that still have a part of their brick before them; the others get length 0
   template <bool kOwnTemperature, bool kPlain>
   int advance(Crossing& at, Intervals<Real>& now, Intervals<Real>& own) {

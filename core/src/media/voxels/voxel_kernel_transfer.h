@@ -24,8 +24,8 @@ PLENOFLAME_INLINE void inverse_above(Real hottest, const Real* __restrict temper
   }
 }
 
-// Planck's e / (1 - x), x = occupation * e. Where x^3 is below single precision it is replaced by
-// its series. The product x may be denormal, so the series uses 1 + x (a fused multiply-add where
+// Planck's e / (1 - x), x = occupation * e. It is replaced by its series if x^3 is below single
+// precision. The product x may be denormal, so the series uses 1 + x (a fused multiply-add where
 // the processor has one).
 constexpr float kDilute = 0x1p-9f;
 template <bool dilute, class Real>

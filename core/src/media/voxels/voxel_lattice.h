@@ -18,8 +18,8 @@ struct ExtraField {
 };
 
 /// One or more fields on the same samples as bricks of 8 x 8 x 8 cells with an apron, ready for the
-/// kernel. Index coordinates are those of the field. They are shifted by half a spacing when every
-/// voxel has one value, so that a cell always reaches from one integer coordinate to the next.
+/// kernel. Index coordinates are those of the field, shifted by half a spacing when every voxel has
+/// one value. A cell then always reaches from one integer coordinate to the next.
 class Lattice {
  public:
   /// Cells where `absorption`, or one of the extra fields, is not 0. Temperature sample i +

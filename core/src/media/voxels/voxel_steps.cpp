@@ -76,10 +76,10 @@ void StepPlanner::plan(const float* pairs, bool one_value_per_cell, bool own_tem
   }
 }
 
-// Two Gauss nodes miss the share (delta/m)^4 / 4320 of a cell's emission if S falls by a factor
-// e^delta across it and it is cut into m. This is the rule's remainder for an exponential. With
-// delta from the slope at the hot end, where S is large, the emission is about kappa S h min(1,
-// 1/delta). The error is compared with the largest kappa S of the brick over its 8 spacings.
+// S falls by a factor e^delta across a cell that is cut into m. Two Gauss nodes then miss the share
+// (delta/m)^4 / 4320 of the cell's emission (the rule's remainder for an exponential). With delta
+// from the slope at the hot end, where S is large, the emission is about kappa S h min(1, 1/delta).
+// The error is compared with the largest kappa S of the brick over its 8 spacings.
 void StepPlanner::subdivide(const float* pairs, int* codes) const {
   float coldest = sample(pairs, 0, 0, 0)[0], hottest = coldest;
   for (int s = 0; s < kBrickPairs; ++s) {

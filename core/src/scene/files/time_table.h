@@ -19,10 +19,11 @@ namespace plenoflame {
 class TimeTable {
  public:
   /// @throws FileError when it cannot be read; InputError "file:line:column: ..." for wrong
-  ///         contents A header is wrong if it is missing, has unknown, repeated or too few columns,
-  ///         or no unit. A row is wrong with another number of cells or a cell that is no finite
-  ///         number. Times must ascend, scales must be positive, and brightness must not be
-  ///         negative
+  ///         contents
+  ///
+  /// A header is wrong if it is missing, has unknown, repeated or too few columns, or no unit. A
+  /// row is wrong with another number of cells or a cell that is no finite number. Times must
+  /// ascend, scales must be positive, and brightness must not be negative.
   explicit TimeTable(const std::string& path);
 
   double first_time() const { return times_.front(); }                  ///< [s]

@@ -64,7 +64,7 @@ bool check_shape(const WindowSpec& window, const std::string& path, const std::s
 }
 
 /// The main lens as its enclosing cylinder, in the world, with the least length of the camera
-/// behind it: no image of objects in front is nearer than a focal length.
+/// behind it. No image of objects in front is nearer than a focal length.
 struct Barrel {
   explicit Barrel(const CameraSpec& camera) : vertex(camera.position) {
     axis = normalize(camera.look_direction);
