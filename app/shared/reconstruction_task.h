@@ -11,8 +11,8 @@
 
 namespace plenoflame {
 
-/// A reconstruction of one frame that is set up step by step, run, and then asked for its result:
-/// what both halves of the Python package show.
+/// A reconstruction of one frame that is set up step by step and run. It then gives its result,
+/// which both halves of the Python package show.
 class ReconstructionTask {
  public:
   using Compile = std::function<std::shared_ptr<const CompiledScene>(const Execution&)>;
@@ -37,7 +37,7 @@ class ReconstructionTask {
   /// With a result only.
   const ReconstructResult& result() const { return *result_; }
   const Unknowns& unknowns() const { return reconstructor_->unknowns(); }
-  /// With a result: the scene's flames at the unknowns, where "truth" was asked for; else null.
+  /// With a result: the scene's flames at the unknowns, if "truth" was set; else null.
   const FlameTruth* truth() const { return reconstructor_->truth(); }
   const Report& report() const { return report_; }
   /// Its lines, "label: text".

@@ -59,9 +59,10 @@ void warn_of_pictures(const FrameMeasurements& measurements, const std::vector<s
 /// A reconstruction of one frame after the other.
 class Reconstructor {
  public:
-  /// @param cameras must outlive it @param first frame, by which the axis of rings is fitted where
-  /// that is asked for @throws InputError, UsageError, FileError: earlier results and supports that
-  /// cannot be read or do not fit
+  /// @param cameras must outlive it
+  /// @param first frame, to which the axis of rings is fitted on request
+  /// @throws InputError, UsageError, FileError: earlier results and supports that cannot be read or
+  ///         do not fit
   Reconstructor(const ReconstructRequest& request, const ReconstructCameras& cameras,
                 const FrameMeasurements& first, const Execution& execution);
 

@@ -350,8 +350,8 @@ class WhiteRun {
     return looks_[aperture][type].radius + looks_[aperture][type].blur;
   }
 
-  /// @throws InputError where radii contradict the f-numbers: a wider stop makes larger
-  /// micro-images, and what is left at 1/N = 0 is a blur, which is not below 0
+  /// @throws InputError where radii contradict the f-numbers. A wider stop makes larger
+  ///         micro-images, and the radius at 1/N = 0 is a blur, which is not below 0
   void check_apertures(const std::vector<Aperture>& apertures) const {
     constexpr double kBelowZero = 0.1;  // of the radius: discs that are blurred are fitted smaller
     for (std::size_t t = 0; t < lattice_.types.size() && looks_.size() > 1; ++t) {

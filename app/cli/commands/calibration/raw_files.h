@@ -25,8 +25,8 @@ struct RawFileOptions {
 
 void add_raw_file_options(CLI::App& command, RawFileOptions& options);
 
-/// Reads the frames of one series; pages of a TIFF and pictures that follow each other in a
-/// headerless file are frames, too. What is probably not meant is said as a warning.
+/// Reads the frames of one series; pages of a TIFF and consecutive pictures in a headerless file
+/// are frames, too. Probable mistakes give a warning.
 /// @param full counts from which on a pixel is saturated; 0: the largest number
 /// @throws FileError, InputError with the file's name
 CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,

@@ -200,8 +200,8 @@ std::string with_options(std::string text, const std::vector<std::string>& optio
   return text + '\n';
 }
 
-/// The script of a sweep: a task of the array makes the runs of a part, and those that are left of
-/// them when it is begun anew.
+/// The script of a sweep. A task of the array makes the runs of a part, or the remaining ones after
+/// a restart.
 std::string sweep_script(const SubmitArguments& arguments, const std::string& name, int parts,
                          int threads, const std::vector<std::string>& options) {
   std::string folder = arguments.sweep;

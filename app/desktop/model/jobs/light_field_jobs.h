@@ -26,8 +26,8 @@ struct DerivedImage {
 /// at once. The views meet at `depth` [m].
 Image shift_and_add(const Views& views, const ViewGeometry& geometry, double depth);
 
-/// Sub-aperture views, refocused pictures and what else is made from the raw image, in the
-/// background. Of each kind only the latest request counts.
+/// Makes sub-aperture views, refocused pictures and other results from the raw image, in the
+/// background. Only the latest request of each kind counts.
 class LightFieldJobs : public QObject {
   Q_OBJECT
  public:

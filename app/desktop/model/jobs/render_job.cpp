@@ -99,8 +99,8 @@ struct RenderJob::Run {
 double RenderJob::Run::remaining(const Progress& progress) const {
   const double samples = passes[pass], later = work(true) - work(false) - samples;
   if (seconds_per_sample > 0) {
-    // A pass takes as long for each sample as the one before did. What its own progress says comes
-    // second: tiles are of very different cost.
+    // A pass takes as long for each sample as the previous pass. Its own estimate comes second,
+    // because tiles have very different costs.
     const double expected = seconds_per_sample * samples, spent = spent_in_pass();
     const double rest =
         spent < 0.9 * expected ? expected - spent : std::max(0.0, progress.remaining_seconds);

@@ -57,7 +57,7 @@ class SceneCompiler : public QObject {
   std::shared_ptr<const CompiledScene> compiled_;
   std::vector<InputFile> files_;  ///< of it
   SceneChanges pending_;          ///< of scenes that were replaced before they were compiled
-  /// The scene at a moment that will be asked for next.
+  /// The scene at the moment that will probably be shown next.
   struct Ahead {
     double time = 0;
     Compiled compiled;

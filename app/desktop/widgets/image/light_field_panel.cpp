@@ -413,7 +413,7 @@ void LightFieldPanel::on_views_changed() {
     const double nearest = std::max(least, 0.55 * middle_depth), farthest = 2.2 * middle_depth;
     const std::array<double, 2> range{nearest, farthest};
     if (range != range_) {
-      // A place that was asked for before there were any views is wanted of the first ones.
+      // A place that was requested before there were any views applies to the first ones.
       const bool first = range_[0] == 0 && depth_wanted_ > 0;
       const bool kept = first || (depth_wanted_ >= nearest && depth_wanted_ <= farthest);
       range_ = range;

@@ -26,9 +26,9 @@ struct ScreenBox {
   double overlap(const ScreenBox& other) const;  ///< area of what both cover [pixel^2]
 };
 
-/// Texts of a 3-D view, each beside the thing that it tells of, wherever there is room: not over
-/// another text, nor over the marks that must be seen, and over other things where there is no
-/// other way. From a text that stands away from its thing a thin line leads there.
+/// Texts of a 3-D view, each beside its thing where there is room. A text covers neither other
+/// texts nor the marks that must be seen. It covers other things only if it must. A thin line leads
+/// from a distant text to its thing.
 class SceneLabels {
  public:
   enum class Keep { off, off_if_possible };

@@ -322,8 +322,8 @@ void SceneView::add_geometry() {
   update_schematic();
   if (!aimed_) aim();
   if (first_) {
-    // The first frame of each kind of thing compiles programs for the graphics card: one thing at a
-    // time, and none to begin with, so that the window answers in between.
+    // The first frame of each kind of thing compiles programs for the graphics card. Things are
+    // added one at a time, beginning with none, so that the window answers in between.
     view_->window->Render();
     add_layers();
     for (const auto& [layer, props] : view_->layers)

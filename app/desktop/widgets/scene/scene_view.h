@@ -64,9 +64,9 @@ class SceneView : public QWidget {
   /// Looks from where the other one does from now on: what turns one turns both.
   void look_as(SceneView& other);
   Part part() const { return part_; }
-  /// Draws one of each kind of thing where nobody sees it: programs for the graphics card, which
-  /// software OpenGL makes on the processor, are made then and not when the window is in use. To be
-  /// called before the window is on the screen, but after its place on the screen was made.
+  /// Draws one of each kind of thing invisibly, so that programs for the graphics card are compiled
+  /// now and not in use. Software OpenGL compiles them on the processor. Call it after the window
+  /// has its place on the screen, but before it is shown.
   void warm_up();
   /// The view as it is now, without the window around it; as finely as it can be drawn, however
   /// long that takes.

@@ -66,8 +66,8 @@ std::vector<QPointF> SceneView::other_cameras_seen() const {
   return places;
 }
 
-/// The bodies, and of walls and floors as much as there is around what has been added: they
-/// are the ground before which a flame is seen, and would make a speck of it.
+/// Adds the bodies, and walls and floors as far as they surround the points so far. These are the
+/// background of a flame; whole walls would reduce it to a speck.
 void SceneView::add_solids(std::vector<Vec3>& points) const {
   const views::SolidSurfaces& solids = geometry_->solids;
   vtkBoundingBox all = solids.all;

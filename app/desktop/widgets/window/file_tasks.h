@@ -15,8 +15,8 @@ class QPushButton;
 
 namespace plenoflame::desktop {
 
-/// Reads and writes files in the background, one after the other in the order they were asked for.
-/// As a widget it says what is being done and for how long, and cancels it.
+/// Reads and writes files in the background, in the order of the requests. As a widget it shows the
+/// present task and its time, and cancels it.
 class FileTasks : public QWidget {
   Q_OBJECT
  public:

@@ -47,7 +47,7 @@ std::span<const LineGrid> line_grids();
 /// a temperature, or sets scattering. Without absorption it needs no temperature either.
 /// @param scene_folder relative paths start here; empty: the current folder
 /// @param execution gets a warning when the largest temperature is below 200 K or nothing is
-///        visible, and when a flame of emission lines alone leaves other grids unused
+///        visible. Also when a flame of emission lines alone leaves other grids unused
 /// @throws FileError (see read_voxel_field)
 /// @throws InputError: a grid is missing (lists those present), an unknown unit, values that are
 ///         NaN, infinite or negative (names grid and voxel)

@@ -52,10 +52,13 @@ FlameFields make_layered_flame(const LayeredFlameOptions& options, const Executi
 
 /// Laminar sooting flame: an annulus of soot around a lightly sooting core, closing at the tip,
 /// inside of a hot rim. With u = z / height in (0, 1) its formulas are:
-///   r0(u) = (1 - u) (base_radius + bulge u)                              radius of the annulus
+///
+///   r0(u) = (1 - u) (base_radius + bulge u),  the radius of the annulus
+///
 ///   f0(u) = peak (u/m)^p ((1-u)/(1-m))^q, p = q m/(1-m), m = peak_position
 ///   f_v   = f0(u) [exp(-((r - r0)/annulus_width)^2) + core_share u^2 exp(-(r/core_width)^2)]
 ///   T     = T_i + (T_rim - T_i) exp(-((r - r0 - rim_distance)/w)^2)
+///
 /// T_i is the core temperature (linear in u) and w is inner_width inside of the rim. Outside of it
 /// T_i is ambient and w is outer_width. Soot below 1e-6 of the largest is left out.
 ///
