@@ -63,7 +63,8 @@ struct ThingSeen {
 /// Drawings of the axes of cameras that look at the same things, one for each. A single camera
 /// stays where it is, and things come nearer. With several cameras the things stay, and the cameras
 /// come nearer as far as they have room beside each other. A camera is drawn to scale if things are
-/// beside or behind it, or if several cameras see nothing.
+/// beside or behind it, or, with several cameras, if it
+/// sees nothing.
 std::vector<Schematic> shortened_axes(const std::vector<CameraOnAxis>& cameras,
                                       const std::vector<ThingSeen>& things);
 

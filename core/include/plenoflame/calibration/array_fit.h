@@ -10,9 +10,9 @@ namespace plenoflame {
 
 /// The array of a camera from the places of its micro-images.
 struct ArrayFit {
-  ArraySpec array;                 ///< that of the nominal camera with what was found in its place
+  ArraySpec array;                 ///< the nominal camera's with the fitted values
   int origin_i = 0, origin_j = 0;  ///< lattice point of lens (0, 0)
-  /// The lens (0, 0) is that of the nominal camera, as far as its offset tells; otherwise one near
+  /// True if lens (0, 0) is that of the nominal camera, by its offset. Otherwise it is a lens near
   /// the middle.
   bool same_origin = false;
   double rms = 0;    ///< [pixel] of measured centres from those of rays through this camera
@@ -26,8 +26,8 @@ struct ArrayFit {
   Vec2 offset_error;          ///< [m]
   Vec2 tilt_error;            ///< [rad]
   bool tilted = false;        ///< the tilt was fitted
-  /// Correlation of the blur of the types with that of the camera's: 0 without
-  /// types that can be told apart.
+  /// Correlation of the measured blurs of the types with the camera's blurs. 0 if types cannot be
+  /// distinguished.
   double type_match = 0;
 };
 

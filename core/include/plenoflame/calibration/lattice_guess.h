@@ -22,7 +22,7 @@ struct LatticeGuess {
 
 /// Finds the lattice by the autocorrelation of the picture's middle (1024 pixels a side at most):
 /// noise, vignetting and dust do not repeat. Pitches from 4 pixels to a fifth of that side.
-/// @throws InputError that says what was seen where no lattice is
+/// @throws InputError if there is no lattice, with a description of what was seen
 LatticeGuess find_lattice(const Image& white);
 
 }  // namespace plenoflame

@@ -59,15 +59,15 @@ struct WhiteLattice {
   double worst = 0;  ///< [pixel] of these
   /// [pixel] near the middle, along i and j, and the angle of step i from x towards y [rad]
   double pitch_i = 0, pitch_j = 0, rotation = 0;
-  std::vector<TypeLooks> types;  ///< one, or as many as the looks tell apart
+  std::vector<TypeLooks> types;  ///< one, or the number of types that can be distinguished
 };
 
 /// Measures all micro-images and fits the model. The result does not depend on threads.
 /// @param white light alone (dark taken away), colours of a mosaic made equal
-/// @throws InputError that says what was seen where there is no lattice; Cancelled
+/// @throws InputError if there is no lattice, with a description of what was seen; Cancelled
 WhiteLattice measure_white(const Image& white, const Execution& execution = {});
 
-/// The model of centres that another program found, in any order. Types are not told apart.
+/// The model of centres that another program found, in any order. All count as one type.
 /// @throws InputError: too few, outside of the picture, or no lattice
 WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int height);
 

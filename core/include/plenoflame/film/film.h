@@ -65,14 +65,16 @@ class Film {
   /// @throws std::logic_error when they were taken (take_images())
   FilmImages images(int channel, const Execution& execution = {}) const;
 
-  /// From now on tiles can be finished: takes the room for what is kept of them. Not while others
-  /// work on the film.
+  /// Allows tiles to be finished and reserves memory for their values. Not while others work on the
+  /// film.
   void allow_finishing();
-  /// No longer. @throws std::logic_error when tiles are finished
+  /// Reverses allow_finishing(). @throws std::logic_error when tiles are finished
   void forbid_finishing();
   bool allows_finishing() const { return !finished_.empty(); }
-  /// All samples of the tile have come: keeps what images() makes of its sums instead of them.
-  /// @return their memory, for another tile (lend()): the system takes time to give new one
+  /// Call it when all samples of the tile have been added. It replaces the tile's sums by the
+  /// values that images() computes from them.
+  /// @return their memory, for another tile (lend()), because the system takes time to allocate new
+  ///         memory
   std::vector<double> finish(int tile);
   /// Memory for the sums of a tile that has none.
   void lend(int tile, std::vector<double> memory);
@@ -84,14 +86,15 @@ class Film {
   /// one replicate) its standard error.
   /// @throws std::logic_error when it is gone (take_images())
   std::vector<float> finished_values(int tile) const;
-  /// Makes of an empty tile a finished one. @param values as many as finished_values() gives
+  /// Turns an empty tile into a finished one. @param values as many as finished_values() gives
   void set_finished(int tile, const std::vector<float>& values);
   std::size_t finished_count(int tile) const;  ///< how many that are
 
   /// images(), without a copy: the film is left without the channel's finished tiles.
   FilmImages take_images(int channel, const Execution& execution = {});
 
-  /// The tiles, from the corner of such an image, outside of which it is 0 for every channel.
+  /// The tiles, from the corner of such an image, that hold light. Outside of them every channel is
+  /// 0.
   std::vector<PixelWindow> lit_parts() const;
 
   /// Samples per replicate that the round in progress brings each tile to: what has been decided

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-/// Arrays in an HDF5 file on disk: those of many pictures need not be in memory together. HDF5 is
-/// used by one thread at a time.
+/// Arrays in an HDF5 file on disk, so that the arrays of many pictures need not be in memory
+/// together. HDF5 is used by one thread at a time.
 namespace plenoflame {
 
 class ArraySetWriter {
@@ -24,7 +24,7 @@ class ArraySetWriter {
             const std::string& unit, const std::string& axes);
   /// Writes a row of it. Rows that are never written are 0.
   void put(const std::string& path, std::size_t row, std::span<const float> values);
-  /// Single arrays. An empty shape is that of a list.
+  /// Single arrays. With an empty shape they are lists.
   void numbers(const std::string& path, std::span<const double> values, const std::string& unit,
                std::vector<std::size_t> shape = {});
   void whole_numbers(const std::string& path, std::span<const std::int64_t> values);

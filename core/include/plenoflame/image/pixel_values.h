@@ -25,7 +25,7 @@ struct ZeroedAllocator {
   }
   void deallocate(T* memory, std::size_t) { std::free(memory); }
 
-  /// A number that nothing is said of is what is there: 0, in memory that is new.
+  /// Leaves numbers without value as they are in memory: 0 in new memory.
   template <class U>
   void construct(U*) {}
   template <class U, class... Values>

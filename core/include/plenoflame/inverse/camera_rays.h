@@ -64,7 +64,7 @@ struct CameraRays {
     int column = 0, row = 0;  ///< on the whole sensor
   };
   std::vector<Row> rows;
-  /// The rays of a row are those of its pixels line by line. Empty where `source` draws them.
+  /// The rays of a row are those of its pixels line by line. Empty if `source` draws them.
   std::vector<CameraRay> rays;
   std::shared_ptr<const RaySource> source;  ///< nullptr where rays are kept
   /// The pixels of rows that are cells of micro-images, row after row, and the end of each row's.
@@ -106,7 +106,7 @@ struct RowPieces {
 /// The same whether rays are kept or not.
 RowPieces pieces_of(const CameraRays& rays);
 
-/// Draws rays again, a piece at a time: what it takes is the memory of some pieces.
+/// Draws rays again, a piece at a time. Only a few pieces are in memory.
 struct RaySource {
   Box box;
   CameraRaySettings settings;
@@ -145,7 +145,7 @@ class RowRays {
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution = {});
 
-/// The way that rows of the linear problem are at hand, from fast to small.
+/// How the rows of the linear problem are stored, from fast to small.
 enum class OperatorForm {
   automatic,  ///< the first of those that follow for which there is memory
   matrix,     ///< stored

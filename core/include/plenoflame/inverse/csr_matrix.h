@@ -48,7 +48,7 @@ class CsrMatrix {
   std::vector<Value> values_;
 };
 
-/// Appends rows to those of a matrix that comes about. @param starts begins with 0
+/// Appends rows to those of a growing matrix. @param starts begins with 0
 template <class Value>
 void append_rows(const CsrRows<Value>& rows, std::vector<std::int64_t>& starts,
                  std::vector<std::int32_t>& columns, std::vector<Value>& values) {

@@ -22,10 +22,10 @@ struct PenaltyGrid {
   std::array<double, 3> spacing{1, 1, 1};  ///< [m]; ratios count, not the unit
   /// Relative strength along each axis: depth, for instance, may be smoothed more.
   std::array<double, 3> strength{1, 1, 1};
-  /// Unknowns that take part; empty: all. First differences to one that does not are left out.
+  /// Unknowns that take part; empty: all. First differences to others are left out.
   std::vector<char> mask = {};
-  /// The field is 0 beyond the grid and where no unknown takes part, and second differences to
-  /// there count. Otherwise they are left out.
+  /// The field is 0 beyond the grid and at unknowns that take no part, and second differences to
+  /// these places count. Otherwise they are left out.
   bool empty_outside = false;
   /// The first axis begins at a centre, on both sides of which the field is the same.
   bool begins_at_centre = false;

@@ -37,14 +37,14 @@ enum class ReconstructionSolver {
 };
 /// Tells whether the solver has a penalty, whose strength can be chosen.
 bool is_penalised(ReconstructionSolver solver);
-/// Tells whether it goes through the rows of the stored matrix.
+/// Tells whether the solver needs the rows of the stored matrix.
 bool wants_matrix(ReconstructionSolver solver);
 
 /// A state of a reconstruction while it runs.
 struct ReconstructionState {
   std::span<const double> values;  ///< of the unknowns, as Reconstruction's, or temperatures [K]
   bool temperatures = false;
-  bool choosing = false;   ///< a strength is tried; otherwise it is the solution that comes about
+  bool choosing = false;   ///< a strength is tested; otherwise it is the solution itself
   double chi_squared = 0;  ///< per row
 };
 
@@ -59,18 +59,18 @@ struct ReconstructionSettings {
   int iterations = 300;
   int subsets = 4;         ///< of sart and osem
   double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.05
-  /// Unknowns are taken for empty that lie behind dark pixels of any view.
+  /// Unknowns behind dark pixels of any view count as empty.
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).
   bool ray_noise = true;
   int draws = 30;               ///< of the posterior, for the standard deviations; 0: none
   bool test_model = false;      ///< suspect.h; it takes seven solutions for each camera
   bool test_absorption = true;  ///< with them, where the absorption is known
-  /// Quantities that were corrected: the test estimates what is left of them.
+  /// Quantities that were corrected: the test estimates their remaining errors.
   std::vector<Suspect> corrected;
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
-  double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
+  double memory = 2e9;  ///< [byte] that a stored matrix may take; above, rays are followed again
   /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
   SharedAssembly* assembly = nullptr;
   /// Called after each iteration, by the thread that reconstructs.
@@ -82,12 +82,12 @@ struct ReconstructionInput {
   std::vector<Measurement> measurements;  ///< one for each view
   const Unknowns* unknowns = nullptr;
   std::vector<double> absorption;  ///< [1/m] of each unknown; empty: none is known
-  std::vector<double> start = {};  ///< values to go on from, as Reconstruction's; empty: none
-  std::vector<double> prior = {};  ///< values that the penalty draws to; empty: 0
+  std::vector<double> start = {};  ///< start values, as Reconstruction's; empty: none
+  std::vector<double> prior = {};  ///< values towards which the penalty pulls; empty: 0
   std::vector<char> support = {};  ///< 0: the unknown is known to be empty; empty: of none
   /// The channel's, for rendered_chi_squared; nullptr: that is not computed.
   const SourceFunction* source = nullptr;
-  std::vector<Vec3> spread_at = {};  ///< places whose point spreads are wanted
+  std::vector<Vec3> spread_at = {};  ///< places whose point spreads are computed
   /// Parts of each view's stop that count: rows that see others as well are left out. Empty: all.
   std::vector<std::vector<char>> parts = {};
 };
@@ -97,7 +97,7 @@ struct PointSpread {
   std::size_t unknown = 0;
   Vec3 place;                      ///< [m] world
   std::array<double, 3> widths{};  ///< [m] half_widths() along the axes of the unknowns
-  double peak = 0;                 ///< what stays at the place: `resolved` there
+  double peak = 0;                 ///< value at the place itself: `resolved` there
 };
 
 /// A flame from its pictures.
@@ -108,23 +108,25 @@ struct Reconstruction {
   std::vector<double> values;
   /// The flame at the places of the unknowns, from these samples: values_at_places().
   std::vector<double> at_places;
-  /// Standard deviations of that (uncertainty.h), which hold the misfit beyond noise; empty: no
+  /// Standard deviations of at_places (uncertainty.h), including the misfit beyond noise. Empty: no
   /// draws, or the solver has no quadratic penalty.
   std::vector<double> deviation;
-  /// Root of chi^2 over the rows less the unknowns that they determine; at least 1. Above 1 the
-  /// pictures differ from the model by this multiple of their noise.
+  /// Root of chi^2 over the number of degrees of freedom (rows less the unknowns that they
+  /// determine); at least 1. Above 1 the pictures differ from the model by this multiple of their
+  /// noise.
   double noise_factor = 1;
-  /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
+  /// Diagonal of the resolution matrix: 1 if the pictures determine the unknown, 0 if the penalty
+  /// does.
   std::vector<double> resolved;
   double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not computed
 
-  /// How the posterior of temperatures differs from that of the linearised problem. Empty: there
+  /// Difference of the temperatures' posterior from that of the linearised problem. Empty: there
   /// was no chain (kMostChained).
   std::optional<PosteriorChain> chain;
 
   std::vector<char> solved;  ///< 0: the unknown was known to be empty
 
-  std::size_t rows = 0, left_out = 0;  ///< rows of A; of these, without a usable pixel
+  std::size_t rows = 0, left_out = 0;  ///< rows of A; rows among them without a usable pixel
   std::size_t rays = 0;
   std::size_t unseen = 0;  ///< unknowns that no ray meets
   std::size_t empty = 0;   ///< unknowns that dark pixels rule out

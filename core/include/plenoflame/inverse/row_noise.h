@@ -19,9 +19,9 @@ struct RayError {
   std::vector<double> error;  ///< [W] RMS in each group
   double largest = 0;         ///< [W] of all rows
 
-  /// [W] At a flux: linear between the groups, as that of the dimmest one below. Above, the last
-  /// line goes on, but never falls nor rises more than in proportion to the flux. 0 where nothing
-  /// is known.
+  /// [W] At a flux: linear between the groups, constant below the dimmest one. Above, the last line
+  /// is continued; it never falls, and rises at most in proportion to the flux. 0 if nothing is
+  /// known.
   double at(double row_flux) const;
   /// For the same rays and rows that are brighter by a factor.
   RayError scaled(double factor) const;

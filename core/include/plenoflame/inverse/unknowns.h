@@ -37,10 +37,11 @@ class Unknowns {
   virtual VoxelField field(std::span<const double> values, const std::string& name) const = 0;
 };
 
-/// Values at the places of the unknowns of a smooth field, from the samples whose straight lines
-/// come nearest to it. Such lines cut corners: in least squares samples lie a twelfth of the second
-/// difference beyond the field, which is brought back along each axis. Sums stay as they are.
-/// @param solved unknowns of which it is 0 are and stay empty; empty: none
+/// Values at the places of the unknowns of a smooth field, whose samples are the best fit by linear
+/// interpolation. Straight lines cut corners. In least squares, samples therefore differ from the
+/// field by a twelfth of the second difference, which is corrected along each axis. Sums are
+/// unchanged.
+/// @param solved 0: the unknown is and stays empty; empty: none is
 std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const double> samples,
                                      const std::vector<char>& solved);
 /// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.

@@ -54,7 +54,7 @@ struct FocusStack {
   /// Per pixel the plane on which its samples, seen from different places of the main lens, agree
   /// best. This is the plane with the least variance of the samples' radiance over the square of
   /// its mean, both over 5 x 5 pixels. A place below some hundredths of the stack's brightest one
-  /// in a plane is dark there and does not count as agreement.
+  /// counts as dark in that plane, and its samples as equal.
   Image all_in_focus;  ///< radiance there [W/(m^2 sr)]
   /// [m] Interpolated between the planes by a parabola through the variances of three. Only for
   /// opaque scenes: a flame is transparent and has no single depth. 0 where nothing was seen.

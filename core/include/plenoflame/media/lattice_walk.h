@@ -8,8 +8,8 @@
 #include "plenoflame/math/vector.h"
 #include "plenoflame/media/voxel_medium.h"
 
-/// The voxel medium's quadrature apart from what is composed along it, for one ray at a time in
-/// double precision: what inversions differentiate (docs/reconstruct.md).
+/// The voxel medium's quadrature without the sum along the ray, for one ray at a time in double
+/// precision. Inversions differentiate it (docs/theory/reconstruction.md).
 namespace plenoflame {
 
 /// Samples at whole index coordinates 0 .. count - 1 of each axis; sample (i, j, k) has the number

@@ -104,11 +104,11 @@ class Medium {
   /// Scattering share of the extinction at a point. Media with such a field return their extinction
   /// as absorption. 0 for all others.
   virtual double albedo(Vec3) const { return 0; }
-  /// A medium of one of the channels alone, which shares with this one what is large; nullptr from
-  /// media that are made anew as fast.
+  /// A medium of one of the channels alone, which shares large data with this one. Media that are
+  /// compiled as fast return nullptr.
   virtual std::shared_ptr<const Medium> single_channel(int) const { return nullptr; }
-  /// The same flame with another placement, bit for bit as if it had been made there; nullptr from
-  /// media that are made anew as fast.
+  /// The same flame with another placement, bit for bit as if compiled there. Media that are
+  /// compiled as fast return nullptr.
   virtual std::shared_ptr<const Medium> placed(const FlamePlacement&) const { return nullptr; }
   /// Appends every t at which the medium's fields have a jump or a kink along the ray (layer
   /// surfaces, cell faces), unsorted. Between neighbouring values all fields are smooth.

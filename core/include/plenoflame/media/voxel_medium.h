@@ -42,8 +42,8 @@ struct VoxelMediumOptions {
   double tolerance = 3e-4;
 };
 
-/// Fields that a voxel medium may have besides temperature and absorption. Samples of all these
-/// fields lie where those of the absorption do, moved by whole spacings at most.
+/// Fields that a voxel medium may have besides temperature and absorption. Their samples are at the
+/// places of the absorption's samples, shifted by whole spacings at most.
 struct VoxelExtras {
   /// Light of emission lines [W/(m^3 sr)], whatever the temperature; background 0.
   std::vector<VoxelField> lines = {};

@@ -51,10 +51,10 @@ struct CompiledScene {
   std::shared_ptr<const Medium> medium;               ///< all flames; nullptr when there is none
   std::shared_ptr<const SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
-  /// Sums that make the scene's channels from those of the medium, the surfaces and the lights.
+  /// Weighted sums that turn the channels of medium, surfaces and lights into the scene's.
   ChannelMix mix = {};
   std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
-  double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
+  double spectral_error = 0;               ///< of representing a channel by a few wavelengths
   /// For a camera that disperses light, the scene of each wavelength, with its own camera, pupils
   /// and media. This scene is then that of the design wavelength. Read through paths().
   std::vector<CompiledScene> dispersed = {};
@@ -70,8 +70,8 @@ struct CompiledScene {
   /// With filters over parts of the stop, the mix of the rays through each of them
   /// (PupilFilters::part_at()); `mix` is their mean over the stop. Empty: `mix` holds for all.
   std::vector<ChannelMix> part_mixes = {};
-  /// The spectral paths through the camera, at least one. They are what is rendered; a scene that
-  /// nothing disperses is its own only path.
+  /// The spectral paths through the camera, at least one. The renderer uses these; a scene without
+  /// dispersion is its own only path.
   std::span<const CompiledScene> paths() const {
     return dispersed.empty() ? std::span(this, 1) : std::span(dispersed);
   }

@@ -11,7 +11,7 @@ struct LensFile {
   MainLensSpec lens;
   std::string title;
   double image_distance = 0;       ///< [m] last surface to the image that the file states; 0: none
-  std::vector<std::string> notes;  ///< what was left out or replaced, one line each
+  std::vector<std::string> notes;  ///< parts that were left out or replaced, one line each
 };
 
 /// Reads a prescription by the end of its name: TOML with a table [camera.lens] (.toml), sequential

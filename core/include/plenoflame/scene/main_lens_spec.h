@@ -35,8 +35,8 @@ struct SurfaceSpec {
   friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
 };
 
-/// By how much the main lens images directions elsewhere than an ideal one
-/// (camera/lens_distortion.h has the map); all 0: not at all.
+/// Deviation of the main lens' imaging directions from those of an ideal lens (the map is in
+/// camera/lens_distortion.h). All 0: no distortion.
 struct DistortionSpec {
   double k1 = 0, k2 = 0, k3 = 0;  ///< radial
   double p1 = 0, p2 = 0;          ///< tangential

@@ -6,8 +6,8 @@
 
 #include "plenoflame/scene/scene_file.h"
 
-/// Scenes whose flames change with time. Everything that follows a scene is about one moment; these
-/// functions give the scene as it is then.
+/// Scenes whose flames change with time. Functions that use a scene treat one moment; those here
+/// give the scene of a moment.
 namespace plenoflame {
 
 /// Tells whether a flame of the scene is a series of files, or changes by a table.
@@ -39,7 +39,7 @@ class SceneTimeline {
   /// [1/s] of pictures; 0: unknown, and the timeline knows times only.
   double frame_rate() const;
   int first_frame() const;
-  int last_frame() const;  ///< whose exposure ends before what is known of the flames does
+  int last_frame() const;  ///< last one whose exposure ends while all flames are known
   /// Time at which the exposure of a frame begins [s].
   /// @throws InputError when it is not among first_frame() to last_frame(), saying what ends, or
   ///         when there is no frame_rate()
