@@ -11,7 +11,7 @@
 namespace plenoflame {
 
 /// The aim points that rays need to get through the camera, for a microlens at some distance from
-/// the optical axis. They are derived from traced pupil edges (docs/theory.md, "Pupil sampling").
+/// the optical axis. They are derived from traced pupil edges (docs/theory/sampling.md).
 ///
 /// Sensor points s and points u of the aim plane are relative to the microlens' centre. Their first
 /// axis points away from the optical axis. A ray (s, u) reaches the scene only inside the discs of

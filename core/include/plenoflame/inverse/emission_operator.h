@@ -15,7 +15,7 @@ namespace plenoflame {
 
 /// The linear problem b = A x: x are samples of emission or of a source function, b fluxes of
 /// pixels [W]. Row i is the sum over the rays of the pixel of etendue times the weight that each
-/// sample has in the ray's radiance (docs/reconstruct.md).
+/// sample has in the ray's radiance (docs/theory/reconstruction.md).
 struct EmissionProblem {
   const CameraRays* rays = nullptr;
   const Unknowns* unknowns = nullptr;

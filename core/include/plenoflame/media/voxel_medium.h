@@ -58,7 +58,7 @@ inline constexpr std::size_t kMostVoxelLines = 8;
 
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
-/// `trilinear` (docs/theory.md), stable for any optical thickness.
+/// `trilinear` (docs/theory/emission.md), stable for any optical thickness.
 /// @param absorption_factors per channel, on the grid's absorption; empty: grey
 /// @param placement of the frame in which the fields' transforms are
 /// @throws InputError for a background other than 0, a singular transform, NaN or negative values
