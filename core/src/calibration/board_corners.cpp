@@ -305,8 +305,7 @@ class BoardFinder {
         }
         points_.push_back(point);
       }
-    // Most points are seen as often as the others; where two edges only seem to cross, hardly
-    // twice.
+    // Most points are seen equally often; false crossings of two edges are seen about once.
     std::vector<std::size_t> counts;
     for (const Point& point : points_) counts.push_back(point.marks.size());
     const auto half = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);

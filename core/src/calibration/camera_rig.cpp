@@ -9,7 +9,7 @@
 namespace plenoflame {
 namespace {
 
-/// Points of a board, as both cameras have them.
+/// Points of a board, in the frames of both cameras.
 using PointPairs = std::vector<std::array<Eigen::Vector3d, 2>>;
 
 Eigen::Vector3d eigen(Vec3 v) {

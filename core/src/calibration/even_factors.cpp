@@ -17,7 +17,7 @@ double middle_ratio(std::vector<float> values) {
   return static_cast<double>(*middle);
 }
 
-/// A picture that was taken for another kind has dark pixels everywhere.
+/// A picture of the wrong kind has dark pixels everywhere.
 void check_dark_share(const EvenFactors& even, bool white) {
   constexpr double kMost = 0.05;
   const auto dark = std::count_if(even.factors.begin(), even.factors.end(),

@@ -13,7 +13,7 @@ enum class ValueGroup {
   distortion  ///< corners; searched only on request
 };
 
-/// A value of the camera that can be searched for.
+/// A value of the camera that can be fitted.
 struct FreeValue {
   const char* key;
   double& (*of)(CameraSpec& camera);
@@ -25,9 +25,9 @@ struct FreeValue {
 /// True for the plane of which the image is distorted but sharp.
 bool is_plane(const FreeValue* value);
 
-/// The values that are searched for, in the order of the settings.
+/// The fitted values, in the order of the settings.
 /// @param with_centres there are centres of micro-images
-/// @throws InputError for a name that none has
+/// @throws InputError for an unknown name
 std::vector<const FreeValue*> chosen_values(const GeometrySettings& settings, bool with_centres);
 
 }  // namespace plenoflame

@@ -510,7 +510,7 @@ void GeometryFit::add_known() {
     cost_ += loose.weight * loose.value * loose.value;
   }
   if (!seen_->radii) {
-    // A common displacement outwards cannot be told from a longer sensor distance.
+    // A common displacement outwards is equivalent to a longer sensor distance.
     if (looseness_.outwards == 0) return;
     const auto count = static_cast<Eigen::Index>(outwards_.size());
     const double weight = noise2_ / (kMeanOutwards * kMeanOutwards);

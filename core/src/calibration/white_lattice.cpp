@@ -45,7 +45,7 @@ double middle_of(std::vector<double> values) {
   return *middle;
 }
 
-/// The lattice as the neighbours of the centre that is nearest to the middle of all have it.
+/// The lattice from the neighbours of the centre that is nearest to the middle of all.
 LatticeGuess guess_of_centres(const std::vector<Vec2>& centres, int width, int height) {
   if (centres.size() < 12) throw InputError("a lattice takes 12 centres or more");
   Vec2 mean;

@@ -22,7 +22,7 @@ std::vector<Result> of_parts(const ImageParts& parts, const Execution& execution
   return results;
 }
 
-/// Sums go on side by side: one alone would wait for each of its additions.
+/// Independent partial sums: a single sum would wait for each of its additions.
 constexpr std::size_t kLanes = 8;
 using Lanes = std::array<double, kLanes>;
 

@@ -99,7 +99,7 @@ class LeftOut {
 /// other as a later calibration has found it.
 bool is_almost_at(const CameraSpec& a, const CameraSpec& b) {
   constexpr double kAlmost = 0.02;  // of a distance, or [rad]
-  constexpr double kUnknown = 1;    // [m] for the distance of what is looked at, where none is said
+  constexpr double kUnknown = 1;    // [m] for an unknown distance of the object
   const auto is_close = [](double x, double y) {
     return x == y || std::fabs(x - y) <= kAlmost * std::fabs(y);
   };

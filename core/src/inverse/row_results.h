@@ -6,7 +6,7 @@
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/inverse/reconstruction.h"
 
-/// The part of a result that is told of rows, whatever their model is.
+/// The part of a result that concerns rows, for any model.
 namespace plenoflame {
 
 /// Counts the rows that have no weight. @throws InputError where there is no other

@@ -183,7 +183,7 @@ bool SharedAssembly::take(const Work& work) {
 }
 
 void SharedAssembly::share(const Work& work, const Execution& execution) {
-  std::atomic<std::size_t> next = 0;  // the first piece that nobody has
+  std::atomic<std::size_t> next = 0;  // the first piece that no rank has
   std::exception_ptr failure;
   std::atomic<bool> ends = false;
   const auto out = [&] { return std::accumulate(out_.begin(), out_.end(), 0); };

@@ -38,10 +38,11 @@ constexpr int kLinearisations = 3, kTrialSteps = 4;
 constexpr double kTrusted = 10;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
-/// Times that a Markov chain is wider than the linearised problem. Its steps tell less by chance.
+/// Width of the Markov chain over that of the linearised problem, above which deviations are
+/// enlarged. Smaller ratios may be chance.
 constexpr double kWider = 1.2;
 constexpr int kLeastSteps = 10;
-/// Share of steps that are taken below which the chain tells no width.
+/// A chain with a smaller share of accepted steps does not determine a width.
 constexpr double kLeastAccepted = 0.2;
 
 /// A model's derivative with regard to scaled variables, stored where memory suffices.
@@ -425,7 +426,7 @@ class ThermalSolver {
     if (!figures.complete) return;  // a derivative would follow all rays again, several times
     try {
       const auto derivative = derivative_at(x_);
-      // Hotter means brighter for whatever a pixel sees.
+      // Hotter means brighter for every pixel.
       const std::vector<double> brighter = transposed_times(*derivative, explained);
       figures.unseen = 0;
       for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];

@@ -43,7 +43,7 @@ double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>
   return total;
 }
 
-/// Array and sensor stand where those of the camera do, whatever the lens.
+/// Puts array and sensor at the camera's places, for any lens.
 CameraSpec in_place(CameraSpec spec, const Camera& camera) {
   spec.focus.mode = FocusMode::distance;
   spec.focus.lens_distance = camera.lens_distance();
@@ -370,7 +370,8 @@ Ray MicroImages::ToPlane::ray_at(Vec2 sensor_point) const {
   const Vec3 a = pose_.point(line.origin), b = pose_.point(line.origin + line.direction);
   const Ray straight{a, b - a};
   if (!windows_) return straight;
-  // From the plane of the front vertex on, stretch by stretch; what ends at a window goes on.
+  // From the plane of the front vertex on, stretch by stretch; rays that end at a window continue
+  // behind it.
   const Vec3 front = a + (-a.z / (b.z - a.z)) * (b - a);
   WindowPath path;
   windows_->trace({to_world_.point(front), to_world_.direction(normalize(b - a))}, path);

@@ -15,7 +15,7 @@ namespace {
 constexpr int kRim = 16;              ///< points around the place of a pixel on the stop
 constexpr int kRings = 40;            ///< of aim points in a microlens
 constexpr double kNeighbours = 1e-3;  ///< of a pixel's light may come through them
-/// Factor of the blur: how much more it may be away from the axis, where it is not looked at.
+/// Factor on the blur for places away from the axis, where it is not traced.
 constexpr double kRoom = 1.1;
 
 double stop_radius_of(const Camera& camera) {

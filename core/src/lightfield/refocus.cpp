@@ -342,8 +342,9 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
     powers.push_back(box_mean(power, sums.width, sums.height));
     stack.planes.push_back(picture_of(plane, depth));
   }
-  // Over the square of the mean: light that is spread thin out of focus must not count as even. A
-  // place that is dark in some plane is even there, whatever the little light's variance is.
+  // Division by the square of the mean: light that is spread thinly out of focus must not count as
+  // equal. A place that is dark in some plane counts as equal there, for any variance of its little
+  // light.
   double brightest = 0;
   for (const std::vector<double>& power : powers)
     brightest = std::max(brightest, *std::max_element(power.begin(), power.end()));

@@ -9,7 +9,7 @@ namespace plenoflame {
 /// Light and white light, in pixels of a refocused picture.
 struct RefocusSums {
   int width = 0, height = 0;
-  std::vector<double> light, white, square;  ///< square: of the radiance; empty: not wanted
+  std::vector<double> light, white, square;  ///< square: of the radiance; empty: not requested
   RefocusSums(int w, int h, bool with_square = false)
       : width(w),
         height(h),

@@ -17,7 +17,7 @@ struct LayeredScratch {
   Real* weight;  // layers arrays: transmittance in front times emissivity, summed over a layer
   Real* ends;    // 2 * layers arrays, sorted (overlapping layers only)
   Real *shift, *kappa, *winner;
-  Real* passed;  // transmittance of a channel that nobody asks for
+  Real* passed;  // transmittance of a channel that is not requested
 };
 
 template <class Real>
@@ -121,7 +121,7 @@ PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int c
   }
 }
 
-/// Longest chord so far, to tell which rays meet anything.
+/// Longest chord so far, which tells the rays that meet any layer.
 template <class Real>
 PLENOFLAME_INLINE void lengthen(int count, const Real* __restrict entry,
                                 const Real* __restrict exit, Real* __restrict longest) {
@@ -286,7 +286,7 @@ PLENOFLAME_INLINE void fill(Real* __restrict out, int count, Real value) {
   for (int i = 0; i < count; ++i) out[i] = value;
 }
 
-/// Intersects all layers. @return how many rays meet one; 0 before all have been looked at
+/// Intersects all layers. @return number of rays that meet one; 0 before all have been tested
 template <class Real>
 PLENOFLAME_INLINE int intersect_all(const LayeredTask<Real>& task, int count,
                                     const LayeredScratch<Real>& s) {

@@ -199,8 +199,8 @@ std::optional<SharedNodes> shared_nodes(const std::vector<SpectralResponse>& res
       error = std::max(error, worst_error(nodes_of(rules[c]), all[c], spectra));
     }
     if (error > kSpectralTolerance) continue;
-    // The one node that stands for the first channel (transmittance, optical thickness) is the one
-    // with the most of it.
+    // One node represents the first channel (transmittance, optical thickness): the one with its
+    // largest weight.
     const auto heaviest = std::max_element(rules[0].weights.begin(), rules[0].weights.end());
     const double first =
         rules[0].places[static_cast<std::size_t>(heaviest - rules[0].weights.begin())];

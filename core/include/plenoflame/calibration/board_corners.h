@@ -33,7 +33,7 @@ struct BoardCorners {
   /// True if every point of the board was found. The first point is then known: uniquely for a
   /// checkerboard with an odd sum of columns and rows, up to half a turn for others.
   bool whole = false;
-  double distance = 0;  ///< [m] about, from the lens to the board, as the camera has it
+  double distance = 0;  ///< [m] about, from the lens to the board, by this camera
 };
 
 /// Finds the points of a board in a raw picture. Each mark in a micro-image is a line in front of

@@ -98,7 +98,7 @@ struct GeometryCalibration {
   int steps = 0;
 };
 
-/// Keys of all values that can be searched for.
+/// Keys of all values that can be fitted.
 std::vector<std::string> calibrated_keys();
 
 /// Fits camera and board poses so that exact rays through the middles of the microlenses meet the

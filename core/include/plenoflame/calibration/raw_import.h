@@ -63,7 +63,7 @@ struct ImportSummary {
   std::size_t too_dark = 0;     ///< of the defective ones: darker in flat or white than they can be
   std::size_t negative = 0;     ///< pixels below 0 by more than 5 standard errors
   double largest = 0;           ///< [unit] of the good pixels
-  double dark_level = 0;        ///< [counts] mean of what was taken away
+  double dark_level = 0;        ///< [counts] mean of the subtracted level
   double white_correction = 0;  ///< RMS of the factor that makes up for the white picture, from 1
 };
 

@@ -63,7 +63,7 @@ struct WhiteLattice {
 };
 
 /// Measures all micro-images and fits the model. The result does not depend on threads.
-/// @param white light alone (dark taken away), colours of a mosaic made equal
+/// @param white light alone (dark subtracted), colours of a mosaic made equal
 /// @throws InputError if there is no lattice, with a description of what was seen; Cancelled
 WhiteLattice measure_white(const Image& white, const Execution& execution = {});
 

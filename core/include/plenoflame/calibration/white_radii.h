@@ -12,7 +12,7 @@ namespace plenoflame {
 struct RadiusObservation {
   double f_number = 0;
   std::size_t type = 0;  ///< of the microlens
-  double radius = 0;     ///< [pixel], the pixel's own width taken away
+  double radius = 0;     ///< [pixel], without the pixel's own width
   double error = 0;      ///< [pixel] standard deviation
 };
 

@@ -48,7 +48,7 @@ std::optional<SharpRange> traced_depth_of_field(const MicrolensShape& shape, dou
 
 /// One type of an array that was solved for.
 struct SolvedType {
-  double target = 0;  ///< [m] focal length that the rule asks for
+  double target = 0;  ///< [m] focal length by the rule
   MicrolensShape shape;
   SharpRange rule;  ///< depth of field by the formulas, with the B of the first type
   std::optional<SharpRange> traced;  ///< by rays, with the sensor where it is

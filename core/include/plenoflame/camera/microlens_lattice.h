@@ -16,7 +16,7 @@ struct LensIndex {
 /// The smaller and the larger one of an array's pitches along x and y [m].
 double shortest_pitch(const ArraySpec& array);
 double longest_pitch(const ArraySpec& array);
-/// Tells whether rows are as far apart as columns, or as a hexagonal lattice has them.
+/// Tells whether rows have the distance of columns, or that of a hexagonal lattice.
 bool is_regular(const ArraySpec& array);
 
 /// The lattice of microlens centres in the array's plane, camera x, y [m], with the displacements

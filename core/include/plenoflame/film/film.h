@@ -80,7 +80,7 @@ class Film {
   void lend(int tile, std::vector<double> memory);
   bool is_finished(int tile) const { return tile_finished_[static_cast<std::size_t>(tile)] != 0; }
   bool has_finished_tiles() const;
-  /// Tells whether the images of finished tiles have been taken away (take_images()).
+  /// Tells whether take_images() has removed the images of finished tiles.
   bool is_taken() const;
   /// The values kept of a finished tile: of each channel the flux, row by row, then (with more than
   /// one replicate) its standard error.

@@ -17,7 +17,7 @@ class StagingFolder {
   StagingFolder(const StagingFolder&) = delete;
   StagingFolder& operator=(const StagingFolder&) = delete;
 
-  /// The folder into which the files are to be written.
+  /// The folder for writing the files.
   const std::string& path() const { return path_; }
   /// Moves them into the folder, over those of the same names; through symbolic links, too.
   /// @throws FileError as AtomicFile; then the folder is as it was before

@@ -17,7 +17,7 @@ namespace plenoflame {
 /// A camera whose pixels are rows of the linear problem.
 struct CameraView {
   const CompiledScene* scene = nullptr;
-  PixelWindow window;  ///< pixels that are wanted; width 0: the whole sensor, or all compiled ones
+  PixelWindow window;  ///< requested pixels; width 0: the whole sensor, or all compiled ones
   /// The rays that it keeps take the place of drawn ones; its two sets are replicates.
   const CompiledCamera* compiled = nullptr;
   std::string compiled_name = {};  ///< for messages
@@ -26,7 +26,7 @@ struct CameraView {
 /// The pixels that are meant.
 PixelWindow window_of(const CameraView& view);
 
-/// Settings by which rays are drawn and pixels are put together.
+/// Settings for drawing rays and grouping pixels.
 struct CameraRaySettings {
   int samples = 16;    ///< rays per pixel and microlens that covers it
   int replicates = 2;  ///< number of replicates that the samples are divided into

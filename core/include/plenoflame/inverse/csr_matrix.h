@@ -23,7 +23,7 @@ struct CsrRows {
   std::vector<Value> values;
 };
 
-/// A sparse matrix in compressed sparse rows, as scipy.sparse.csr_matrix has it: the entries of row
+/// A sparse matrix in compressed sparse rows, like scipy.sparse.csr_matrix: the entries of row
 /// i are [row_starts[i], row_starts[i + 1]).
 template <class Value = float>
 class CsrMatrix {

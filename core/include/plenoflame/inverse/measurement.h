@@ -21,7 +21,7 @@ struct Measurement {
   /// over a block, while noise averages out.
   double model_error = 0;
   double electron = 0;  ///< [W] of one electron: the flux has shot noise; 0: none that is known
-  double dark = 0;      ///< [W] of the dark signal, which was taken away and has shot noise as well
+  double dark = 0;      ///< [W] of the subtracted dark signal, which has shot noise as well
   /// Relative standard error of all fluxes together: of a radiometric calibration (the picture's
   /// number "scale.error.CHANNEL").
   double scale_error = 0;

@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// The property that a solution is asked to have little of, beside the misfit.
+/// The property that the penalty keeps small.
 enum class PenaltyKind {
   identity = 0,        ///< the values themselves; the numbers are orders of differences
   first_differences,   ///< slopes: neighbouring values alike

@@ -92,7 +92,7 @@ struct ReconstructionInput {
   std::vector<std::vector<char>> parts = {};
 };
 
-/// The image that the reconstruction makes of a single unknown.
+/// The image of a single unknown in the reconstruction.
 struct PointSpread {
   std::size_t unknown = 0;
   Vec3 place;                      ///< [m] world
@@ -132,13 +132,13 @@ struct Reconstruction {
   std::size_t empty = 0;   ///< unknowns that dark pixels rule out
   bool stored = true;
   bool drawn = false;              ///< rays were not kept
-  double matrix_bytes = 0;         ///< stored, or what it would have taken
+  double matrix_bytes = 0;         ///< stored, or the size that it would have
   RayError rays_error;             ///< of rows, for the finite number of rays; part of the noise
   double strength = 0;             ///< chosen
-  bool strength_at_end = false;    ///< of the range that was looked at: take care
+  bool strength_at_end = false;    ///< of the tested range: it may be wrong
   bool explained_by_noise = true;  ///< false: chi^2 is above what noise explains
   std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
-  double chi_squared = 0;          ///< per row: 1 where noise explains what is left
+  double chi_squared = 0;          ///< per row: 1 if noise explains the residuals
   /// The same of the temperatures that follow from it (flame_estimate.h). They are interpolated
   /// before the emission is computed, as in the renderer. Negative: not computed, or no
   /// temperatures.
@@ -147,7 +147,7 @@ struct Reconstruction {
     double strength, chi_squared, penalty;
     double gcv;
   };
-  std::vector<Trial> trials;    ///< strengths that were looked at: the L-curve
+  std::vector<Trial> trials;    ///< tested strengths: the L-curve
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
@@ -156,9 +156,9 @@ struct Reconstruction {
   /// Faults of the cameras, those first that the pictures name; empty: no test of the model.
   std::vector<Suspect> suspects;
   /// Per view: share of the light that pixels see which look past all unknowns, where it is above
-  /// its noise. Light of lamps and surfaces is not told from it: none then.
+  /// its noise. Empty with lamps and surfaces, whose light is not separated from it.
   std::vector<double> light_outside;
-  bool complete = true;  ///< false: stopped early; what was reached by then
+  bool complete = true;  ///< false: stopped early, with the result so far
   /// Per view, [W] what the reconstruction explains and the measured rows, at the first pixel of
   /// each row; 0 elsewhere.
   std::vector<Image> explained, residual;

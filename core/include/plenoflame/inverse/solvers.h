@@ -29,7 +29,7 @@ struct Regularisation {
 enum class StopReason {
   iterations,   ///< all that were allowed
   discrepancy,  ///< the misfit is as small as the noise lets expect
-  change,       ///< the solution hardly changes any more
+  change,       ///< the solution changes by less than the limit
   converged,    ///< the gradient is zero up to rounding
   stopped,      ///< Execution::stop
 };

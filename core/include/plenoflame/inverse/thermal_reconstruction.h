@@ -24,7 +24,7 @@ struct ThermalInput {
   std::vector<ThermalPictures> channels;
   const Unknowns* unknowns = nullptr;
   std::vector<double> absorption = {};  ///< [1/m] in the first channel; empty: it is solved for
-  /// Values to go on from, e.g. an earlier result; empty: from linear reconstructions.
+  /// Start values, e.g. an earlier result; empty: from linear reconstructions.
   std::vector<double> start_temperature = {}, start_absorption = {};
   /// [W/(m^3 sr)] of the first channel, what the linear reconstructions begin with.
   std::vector<double> start_emission = {};

@@ -26,7 +26,7 @@ class Unknowns {
   virtual bool is_linear() const { return true; }
   /// World box outside of which every basis function is 0.
   virtual Box bounds() const = 0;
-  /// World place that an unknown stands for (of a ring, one of its points).
+  /// World place of an unknown (for a ring, one of its points).
   virtual Vec3 place(std::size_t unknown) const = 0;
   /// Volume that an unknown fills [m^3], the integral of its basis function.
   virtual double volume(std::size_t unknown) const = 0;

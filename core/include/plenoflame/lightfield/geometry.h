@@ -52,7 +52,7 @@ struct ViewGeometry {
 };
 
 /// @param lens_step [m] on the array between neighbouring pixels of a view (Views::lens_step)
-/// @throws InputError when hardly any light gets through the camera
+/// @throws InputError when almost no light gets through the camera
 ViewGeometry fit_view_geometry(const MicroImages& micro_images, double lens_step);
 
 /// Tells whether the sensor stands in the focal plane of the microlenses (plenoptic 1.0,

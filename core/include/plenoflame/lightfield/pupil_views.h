@@ -14,7 +14,7 @@ struct PupilView {
   /// Radiance behind the filter [W/(m^2 sr)] and its standard error, a pixel for the area of a
   /// microlens; 0 where nothing is known. The error is empty where the light field has none.
   LightFieldChannel light;
-  double pixels = 0;  ///< of the sensor that stand for one of its pixels, in the mean
+  double pixels = 0;  ///< of the sensor for each of its pixels, on average
 };
 
 /// One picture per filter. A microlens' value is the light of the pixels that see the stop through

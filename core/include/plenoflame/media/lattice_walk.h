@@ -86,7 +86,7 @@ TransferSlopes transfer_slopes(double tau0, double tau1);
 
 /// The kind of samples that a row of the linear problem is for.
 enum class RowModel {
-  emission,  ///< samples of emission [W/(m^3 sr)]: emission lines, or whatever glows
+  emission,  ///< samples of emission [W/(m^3 sr)]: emission lines, or any other light
   source,    ///< samples of the source function [W/(m^2 sr)], emitted by the absorption
 };
 

@@ -47,7 +47,7 @@ MainLensSpec round_counterpart(MainLensSpec lens);
 /// A surface that cannot be.
 struct SurfaceFault {
   std::string key;   ///< of the surface, "diameter"
-  std::string text;  ///< goes on after "surface 3 of the main lens "
+  std::string text;  ///< continues "surface 3 of the main lens "
 };
 std::optional<SurfaceFault> surface_fault(const SurfaceSpec& surface);
 

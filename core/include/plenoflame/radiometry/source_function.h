@@ -64,7 +64,7 @@ class SourceFunction {
     source.lines_ = std::move(lines);
     return source;
   }
-  /// One wavelength [m] at which nothing but emission lines is looked at: S = 0.
+  /// One wavelength [m] for emission lines only: S = 0.
   static SourceFunction of_lines(double wavelength, std::vector<LineShare> lines);
 
   /// A share of it; of all wavelengths the band from 0.1 um to 1 mm.
@@ -85,7 +85,7 @@ class SourceFunction {
   double wavelength() const { return wavelength_; }
   /// Its share of its channel's light, where that does not follow Planck's law.
   double share() const { return share_; }
-  /// Its share of the light of an emission line; 0 of lines that it was not told of.
+  /// Its share of the light of an emission line; 0 for unknown lines.
   double line_share(const EmissionLine& line) const;
   friend bool operator==(const SourceFunction&, const SourceFunction&) = default;
 

@@ -8,7 +8,7 @@
 
 namespace plenoflame {
 
-/// Wavelengths that stand for a channel whose light is absorbed differently at each of them.
+/// Wavelengths that represent a channel whose light is absorbed differently at each of them.
 struct ChannelNodes {
   std::vector<SourceFunction> nodes;
   /// Largest relative error of the radiance of a homogeneous path, found by comparison with
@@ -29,7 +29,7 @@ inline constexpr double kSpectralTolerance = 5e-4;
 ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
                            const std::vector<AbsorptionSpectrum>& spectra, int fewest = 1);
 
-/// Wavelengths that stand for several channels together.
+/// Wavelengths that represent several channels together.
 struct SharedNodes {
   std::vector<SourceFunction> nodes;
   ChannelMix mix;

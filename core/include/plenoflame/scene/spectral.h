@@ -16,7 +16,7 @@ namespace plenoflame {
 
 /// The response of a channel; nothing for all wavelengths. A curve must have its points. The
 /// camera's filter is not in it.
-/// @throws InputError for what is impossible
+/// @throws InputError for impossible values
 std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel);
 
 /// The same behind the camera's filter and a filter over a part of the pupil (points as text;

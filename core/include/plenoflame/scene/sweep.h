@@ -12,7 +12,7 @@ namespace plenoflame {
 
 /// The value that a run gives to a key of the scene.
 struct SweepValue {
-  std::string key;          ///< path as SceneSettings::values has it
+  std::string key;          ///< path as in SceneSettings::values
   std::string value;        ///< as text, with its unit
   SourcePosition position;  ///< of the cell of the table, or of the rule
 };

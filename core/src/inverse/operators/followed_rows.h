@@ -36,7 +36,7 @@ class RowSum {
     }
     value_[column] += value;
   }
-  /// Hands out what is not 0 in the order of the columns, and begins anew.
+  /// Hands out the entries that are not 0 in the order of the columns, and clears the row.
   template <class Use>
   void take(const Use& use) {
     std::sort(columns_.begin(), columns_.end());
@@ -160,7 +160,7 @@ inline constexpr std::size_t kRowsOfBatch = 64 * kFollowedRows;
 /// taken.
 inline constexpr double kRoomForEntries = 1.2;
 
-/// Appends the rows to a matrix that comes about. @param starts begins with 0 @throws Cancelled
+/// Appends the rows to a growing matrix. @param starts begins with 0 @throws Cancelled
 template <class Rows>
 void gather_rows(const Rows& all, const Execution& execution, std::vector<std::int64_t>& starts,
                  std::vector<std::int32_t>& indices, std::vector<float>& values) {

@@ -11,7 +11,7 @@
 
 namespace plenoflame {
 
-/// Strengths that are looked at.
+/// Range of the tested strengths.
 inline constexpr StrengthRange kLinearRange{1e-10, 1, 11, 2, 200};
 
 /// The penalty of a reconstruction on one value per unknown.

@@ -81,7 +81,7 @@ class Trials {
       const auto columns = static_cast<double>(problem_.a->columns());
       const double left = independent_errors(counted_rows(problem_), columns) -
                           influence(problem_, penalty_, range_, execution_);
-      // A probe that a stop cuts short tells no trace.
+      // A probe that a stop interrupts gives no trace.
       if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();
       curve_.push_back({strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left),

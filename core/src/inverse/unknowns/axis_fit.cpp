@@ -48,7 +48,7 @@ FlameAxis fit_axis(const CameraRays& rays, const MeasuredRows& measured, const F
   const Vec3 w = axis.direction;
   const Vec3 aside = std::fabs(w.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalize(aside - dot(aside, w) * w), v = cross(w, u);
-  // Turning about the base by a height of light moves as much as shifting does.
+  // A rotation about the base by the light's height moves as much as a shift.
   double reach = 0, weights = 0;
   for (const LitRay& ray : lit) {
     const double along = dot(ray.origin - start.base, ray.direction);
@@ -85,7 +85,7 @@ FlameAxis fit_axis(const CameraRays& rays, const MeasuredRows& measured, const F
       normal += ray.weight * slope * slope.transpose();
       right -= ray.weight * distance(moved(p), ray) * slope;
     }
-    // Directions that the pictures do not tell stay where they are.
+    // Directions that the pictures do not determine stay unchanged.
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> parts(normal);
     Eigen::Vector4d change = Eigen::Vector4d::Zero();
     for (int k = 0; k < 4; ++k) {

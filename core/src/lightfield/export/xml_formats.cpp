@@ -95,7 +95,7 @@ void export_plenoptic_toolbox(const ExportJob& job) {
     double low = std::fabs(type.array.near / type.sensor_distance);
     double high = std::fabs(type.array.far / type.sensor_distance);
     if (low > high) std::swap(low, high);
-    // A range that goes through infinity, or ends beyond what neighbours can tell apart.
+    // A range through infinity, or beyond the depth resolution of neighbours.
     if (type.array.near * type.array.far < 0 || !std::isfinite(high)) high = 100;
     low = std::clamp(low, 1.0, 99.0);
     high = std::clamp(high, low + 0.1, 100.0);

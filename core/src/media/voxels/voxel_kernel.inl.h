@@ -354,7 +354,7 @@ class Packet {
       const int next_x = next_cell<kPlain>(low_x, rest, t_x <= next, at.up.x[l], o_x + next * d_x);
       const int next_y = next_cell<kPlain>(low_y, rest, t_y <= next, at.up.y[l], o_y + next * d_y);
       const int next_z = next_cell<kPlain>(low_z, rest, t_z <= next, at.up.z[l], o_z + next * d_z);
-      // Out of the brick: whatever rounding left of the segment goes to its last interval.
+      // Out of the brick: the rest of the segment after rounding belongs to its last interval.
       const bool leaves = ((next_x | next_y | next_z) & ~7) != 0;
       const Real until = leaves ? last : clamp(next, begin, last);
       const Real h = until - begin;
@@ -402,7 +402,7 @@ class Packet {
   static constexpr Real kNode0 = Real(0.21132486540518711775);
   static constexpr Real kNode1 = Real(0.78867513459481288225);
 
-  // Asks for the samples of the next interval.
+  // Loads the samples of the next interval.
   PLENOFLAME_INLINE void fetch(const Crossing& at, const Intervals<Real>& next) {
     for (int l = 0; l < kLanes; ++l) {
       const float* corner = at.values[l] + next.pair[l];

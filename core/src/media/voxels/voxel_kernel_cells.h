@@ -167,7 +167,7 @@ PLENOFLAME_INLINE int find_brick(const LatticeView& cells, int x, int y, int z) 
   return block < 0 ? -1 : cells.table[block + ((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
 }
 
-// The brick of the values that an entry stands for.
+// The brick that holds the values of an entry.
 PLENOFLAME_INLINE int data_of(const LatticeView& cells, int entry) {
   if (entry < 0) return cells.blank;
   return entry & 1 ? cells.constant_data[entry >> 1] : entry >> 1;

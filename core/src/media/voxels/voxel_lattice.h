@@ -37,9 +37,9 @@ class Lattice {
   /// (temperature, absorption) at an index coordinate; the background outside of stored bricks.
   std::array<double, 2> sample(Vec3 index) const;
   /// sample() at several index coordinates of one cell, which is looked up once.
-  /// @param temperature, absorption `count` values each; nullptr: not wanted
+  /// @param temperature, absorption `count` values each; nullptr: skipped
   void sample_cell(const Vec3* index, int count, double* temperature, double* absorption) const;
-  /// Adds up what a caller makes of the extra fields at an index coordinate: weights[e] * field e.
+  /// Weighted sum of the extra fields at an index coordinate: weights[e] * field e.
   double sum_extras(Vec3 index, const double* weights) const;
   /// Tells whether the brick around an index coordinate is stored.
   bool occupied(Vec3 index) const;

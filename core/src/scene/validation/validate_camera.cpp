@@ -29,7 +29,7 @@ namespace {
 constexpr double kMostPixels = 1e9;
 constexpr double kMostLenses = 1e8;
 constexpr double kMostOverlap = 100;
-/// Faces may touch; this much of the length at hand is rounding.
+/// Faces may touch; this share of their length is rounding.
 constexpr double kTouch = 1e-12;
 
 void check_orientation(const CameraSpec& camera, Issues& issues) {
@@ -46,9 +46,9 @@ void check_orientation(const CameraSpec& camera, Issues& issues) {
                  "up in the picture");
 }
 
-/// Two surfaces that follow each other must not cross within the clear diameter of both. Between
-/// spheres the gap changes monotonically with the height, so its ends are enough; other surfaces
-/// are looked at between them too.
+/// Two consecutive surfaces must not cross within the clear diameter of both. Between spheres the
+/// gap changes monotonically with the height, so its ends are enough; other surfaces are sampled
+/// between them too.
 void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& issues) {
   const SurfaceSpec& a = surfaces[i];
   const SurfaceSpec& b = surfaces[i + 1];
