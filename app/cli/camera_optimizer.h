@@ -9,7 +9,7 @@ namespace plenoflame::cli {
 
 struct OptimizerTask {
   MeritSpec merit;
-  bool traced = false;            ///< after the formulas, go on by rays
+  bool traced = false;            ///< after the formulas, continue by rays
   std::vector<std::string> vary;  ///< focal, pitch, spacing, aperture, focus
   double bound = 2;               ///< every variable stays within this factor of its start
   MicrolensFreedom freedom = MicrolensFreedom::index;
@@ -22,7 +22,7 @@ struct OptimizerTask {
 
 struct OptimizerResult {
   CameraSpec camera;
-  double merit = 0;  ///< traced when the task asks for it
+  double merit = 0;  ///< traced if the task is
   int evaluations = 0;
 };
 

@@ -16,7 +16,7 @@ CLI::Validator continued();
 
 /// No output of a command may be another output or one of its inputs, by whatever name (links,
 /// "./"). Inputs are all files that its other options and its scenes name.
-/// @param app after parsing: the chosen command is looked at @throws UsageError
+/// @param app after parsing: the chosen command is checked @throws UsageError
 void check_outputs(CLI::App& app);
 
 }  // namespace plenoflame::cli

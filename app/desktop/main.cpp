@@ -55,7 +55,7 @@ std::string why_no_window(std::optional<plenoflame::views::DisplayConnection>& c
   return "the display '" + name + "' cannot be opened; see that it runs and is yours, or " + advice;
 }
 
-/// True if the arguments ask for a text only, which needs no window.
+/// True if the arguments request a text only, which needs no window.
 bool asks_for_text(int argc, char** argv) {
   return std::any_of(argv + 1, argv + argc, [](const std::string_view argument) {
     return argument == "-h" || argument == "--help" || argument == "-v" || argument == "--version";

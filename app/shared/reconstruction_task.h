@@ -28,7 +28,7 @@ class ReconstructionTask {
   /// @throws UsageError
   void set_earlier(const std::string& use, const std::string& field, std::vector<double> values);
 
-  /// Is told of each state while it runs, by the thread that reconstructs.
+  /// Called with each state of the run, by the reconstructing thread.
   using Watch = std::function<void(const ReconstructionState&, const Unknowns&)>;
   /// @param watch may be empty @throws as Reconstructor; there is no result then
   void run(const Execution& execution, const Watch& watch = {});

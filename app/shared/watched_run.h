@@ -10,7 +10,7 @@ namespace plenoflame {
 /// Calls `task` on a thread of its own, so that the calling thread stays free to watch it.
 /// @param threads workers of the task; 0: one per processor
 /// @param watch called on the calling thread with the fraction done, some 20 times a second, also
-///        without progress. If it returns true, the task is asked to stop
+///        without progress. If it returns true, the task is stopped
 /// @param warnings gets those of the task, in their order, also when it throws
 /// @throws what the task throws
 void watched_run(int threads, const std::function<bool(double fraction)>& watch,

@@ -41,7 +41,7 @@ double full_of(const RawFileOptions& options, const SensorSpec& sensor);
 void warn_of_full(const CountFrames& frames, const std::string& file, double full,
                   const SensorSpec& sensor);
 
-/// Light alone: dark taken away, colours of a picture added, those of a mosaic made alike.
+/// Light alone: dark subtracted, colours of a picture added, those of a mosaic made alike.
 /// @throws InputError where the dark frame has another size
 Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,
                MosaicPattern mosaic);

@@ -311,7 +311,7 @@ void check_series(const Picture& picture, const Scene& now, const SeriesCheck& c
 }
 
 /// Renders one light field.
-/// @param earlier to go on with; nullptr: none
+/// @param earlier run to continue; nullptr: none
 int render_one(const Picture& picture, RenderRun& run, const std::stop_token& stop,
                const Continuation* earlier = nullptr) {
   const RenderOptions& options = picture.options;
@@ -436,7 +436,7 @@ void check_truth(const RenderOptions& options, const SceneInTime& scene) {
         "camera.sensor.exposure_time=0s");
 }
 
-/// Goes on with a run, as its record and the options say.
+/// Continues a run, by its record and the options.
 int go_on(Picture picture, const Continuation& earlier, RenderRun& run,
           const std::stop_token& stop) {
   RenderOptions& options = picture.options;

@@ -17,7 +17,7 @@
 
 namespace plenoflame::cli {
 
-/// The record that is kept with the state of a run: all that it takes to go on with it.
+/// The record that is kept with the state of a run: all that its continuation needs.
 struct RunRecord {
   std::string version;
   std::string scene_text;        ///< TOML, complete; of several moments with what changes
@@ -55,7 +55,7 @@ struct SceneInTime {
 /// [s] The begin of the requested exposure; without a time, of the first frame's.
 double begin_of(const SceneTimeline& timeline, std::optional<double> time);
 
-/// A run to go on with.
+/// A run that can be continued.
 struct Continuation {
   RunRecord record;
   Film film;                                   ///< of a single moment
@@ -73,8 +73,8 @@ struct Continuation {
 /// @throws UsageError, InputError, FileError
 Continuation read_continuation(const RenderOptions& options, const SceneInTime* now = nullptr);
 
-/// Settings of the rest of the run: those of the record, with what the options give anew.
-/// @throws UsageError when that would take samples away, or is nothing
+/// Settings of the rest of the run: those of the record, with the changes of the options.
+/// @throws UsageError for fewer samples, and without any change
 RenderSettings continued_settings(const RenderOptions& options, const Continuation& run);
 
 }  // namespace plenoflame::cli

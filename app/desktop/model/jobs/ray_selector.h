@@ -61,7 +61,7 @@ QString microlens_text(const CompiledScene& scene, LensIndex lens);
 /// length to the viewer, including absorption on the way. False: the ray meets no flame.
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point);
 
-/// Traces the rays of the document's selection in the background, anew when the scene changes.
+/// Traces the rays of the document's selection in the background, again when the scene changes.
 class RaySelector : public QObject {
   Q_OBJECT
  public:

@@ -55,7 +55,7 @@ class RenderJob : public QObject {
   /// Statistics of the last pass that was completed.
   const RenderStatistics& statistics() const { return statistics_; }
 
-  /// Begins anew. @param threads 0: one per processor
+  /// Starts again. @param threads 0: one per processor
   /// @param shown a picture of the same scene and seed, of the whole sensor, to be improved; null:
   ///        none
   /// @param compiled makes the picture in place of new rays; it belongs to the scene
@@ -65,7 +65,7 @@ class RenderJob : public QObject {
   void set_finished_only(bool on) { finished_only_ = on; }
   /// True if the picture is made by a compiled camera.
   bool is_compiled() const;
-  /// Keeps what is there; resume() goes on as if there had been no break.
+  /// Keeps the picture so far; resume() continues as without a break.
   void pause();
   void resume();
   /// Ends; the picture stays as it is.

@@ -29,7 +29,7 @@ class SceneCompiler : public QObject {
   /// Compiles once more what failed: its files may be others now.
   void retry();
   const FlameCache& flames() const { return flames_; }
-  /// Compiles the scene as it is at another moment before anybody asks for it.
+  /// Compiles the scene of another moment ahead of its request.
   void prepare(double time);
   /// True once the work that prepare() began is over.
   bool is_prepared() const { return !ahead_task_.busy(); }

@@ -242,7 +242,7 @@ QWidget* LightFieldPanel::make_refocus_tab() {
   });
   connect(aperture_, &QSlider::valueChanged, this, &LightFieldPanel::request_refocus);
   connect(depth_edit_, &QLineEdit::editingFinished, this, [this] {
-    if (!depth_edit_->isModified()) return;  // what is there is rounded
+    if (!depth_edit_->isModified()) return;  // the present text is rounded
     depth_edit_->setStyleSheet({});
     try {
       const double depth = parse_quantity(depth_edit_->text().toStdString(), Dimension::length);

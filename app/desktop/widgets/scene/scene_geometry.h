@@ -50,7 +50,7 @@ vtkSmartPointer<vtkPolyData> placed(vtkPolyData* data, const Schematic& schemati
 /// Hot and dense everywhere, in some points.
 vtkSmartPointer<vtkImageData> small_flame();
 
-/// Pixels as VTK has them, rows upwards.
+/// Pixels in the order of VTK, rows upwards.
 vtkSmartPointer<vtkImageData> texture_of(const Image& image);
 
 /// The near plane follows the distance to the objects. The depth buffer's 24 bits then separate

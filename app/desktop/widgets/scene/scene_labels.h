@@ -15,7 +15,7 @@ namespace plenoflame::desktop {
 
 constexpr double kTextGround = 0.6;  ///< opacity of the ground of a text
 
-/// Texts before a 3-D view stay readable over what is drawn there.
+/// Keeps texts in front of a 3-D view readable over its drawing.
 void set_text_ground(vtkTextProperty& style);
 
 /// Part of a drawing [screen pixel], from the lower left corner.
@@ -40,7 +40,7 @@ class SceneLabels {
   /// @param thing points of the world, as drawn, that bound it
   void avoid(std::vector<Vec3> thing, Keep keep);
   /// To be called before each drawing, as the texts stay beside things while the view is turned.
-  /// @param furniture what stands in front of the view: bars, cube
+  /// @param furniture bars and cube in front of the view
   void place(vtkRenderer& renderer, const std::vector<ScreenBox>& furniture) const;
 
  private:

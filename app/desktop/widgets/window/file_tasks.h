@@ -29,9 +29,9 @@ class FileTasks : public QWidget {
            std::function<void()> after);
   /// True while something is being done or waits.
   bool busy() const { return !waiting_.empty(); }
-  /// Asks the present one to stop; those that wait go on.
+  /// Stops the present one; waiting ones follow.
   void cancel();
-  /// Asks all of them to stop.
+  /// Stops all of them.
   void cancel_all();
 
  signals:

@@ -148,7 +148,7 @@ class MainWindow : public QMainWindow {
   void generate_flame();
   void import_flame();
   void map_grids(int flame);
-  /// A folder to write into: whether files of it are replaced is asked.
+  /// A folder to write into. Asks before files in it are replaced.
   QString folder_to_fill(const QString& title);
   void say_written(const QString& name);
   void select_lens_at(int column, int row);
@@ -168,7 +168,7 @@ class MainWindow : public QMainWindow {
   SectionView* section_ = nullptr;
   SidePanel* side_ = nullptr;
   QSplitter* split_ = nullptr;        ///< side panel, 3-D, light field
-  QVBoxLayout* workspace_ = nullptr;  ///< split_, and what stands below it
+  QVBoxLayout* workspace_ = nullptr;  ///< split_, and the widgets below it
   ViewCommands* view_commands_ = nullptr;
   ScenePanel* scene_ = nullptr;
   RaysPanel* rays_ = nullptr;
