@@ -154,8 +154,8 @@ int vtkPlenoflameFlameImport::RequestData(vtkInformation*, vtkInformationVector*
     this->Fill(vtkImageData::GetData(outputs));
     return 1;
   } catch (const plenoflame::Cancelled&) {
-    // As wanted by AbortExecute. The reader may have stopped amid its mesh, and what was not made
-    // is not up to date: the next Update() begins anew.
+    // As requested by AbortExecute. The reader may have stopped amid its mesh, and what was not
+    // made is not up to date: the next Update() starts again.
     vtkImageData::GetData(outputs)->Initialize();
     this->Internal->Reader.reset();
     this->Modified();

@@ -13,7 +13,7 @@ namespace plenoflame::views {
 /// hundredth of the distance and `far`.
 /// @param aspect width over height
 /// @param up as seen in the picture
-/// @param far [m] from the middle of the points: how far what is drawn may reach
+/// @param far [m] from the middle of the points: largest distance that is drawn
 void look_at(const std::vector<Vec3>& points, Vec3 direction, Vec3 up, double aspect, double far,
              vtkRenderer& renderer);
 

@@ -397,7 +397,7 @@ class WhiteRun {
       }
     report.add_json("looks", list);
     if (looks_.size() < 2) return;
-    // Radius of the whole disc against 1/N: the slope is the same for all, what is left at 1/N = 0
+    // Radius of the whole disc against 1/N: the slope is the same for all, the radius at 1/N = 0
     // is the type's own.
     nlohmann::json lines = nlohmann::json::array();
     for (std::size_t t = 0; t < lattice_.types.size(); ++t) {

@@ -370,7 +370,7 @@ class ImportRun {
     }
     const SensorSpec& sensor = document_.scene.camera.sensor;
     const PhotonTransfer& transfer = settings_.transfer;
-    // A gain that nobody states is told by the noise, where that is clear.
+    // Without a stated gain, the noise gives it if it is significant.
     if (fitted_ && arguments_.gain.empty() && !(sensor.gain > 0) &&
         transfer.slope > 10 * transfer.slope_error) {
       settings_.response.gain = 1 / transfer.slope;
