@@ -65,8 +65,9 @@ class Problem {
 
   double allowed_overlap() const { return allowed_overlap_; }
 
-  /// The value to be maximised: the merit; where micro-images overlap, less than any, and the less
-  /// the more they do; very low for a camera that cannot be.
+  /// The value to be maximised: the merit. A camera with overlapping micro-images gets a lower
+  /// value than any merit, which falls with the overlap. An impossible camera gets the lowest
+  /// value.
   double value(const double* x) {
     ++evaluations_;
     try {

@@ -8,8 +8,8 @@
 
 namespace plenoflame::cli {
 
-/// Files of one command that appear all together, in whatever folders: what cannot be written, a
-/// stop or an exception leaves everything as it was before.
+/// Files of one command that appear all together, in any folders. A failed write, a stop or an
+/// exception leaves everything as it was before.
 class FileSet {
  public:
   /// Writes the file that is to be `path`. @param write gets the name to write it under for now

@@ -15,8 +15,8 @@
 namespace plenoflame::cli {
 namespace {
 
-// A signal handler can reach nothing but globals. Requesting a stop may lock and run callbacks,
-// which a handler must not do: it writes one byte, and a thread that waits for it does the rest.
+// A signal handler can reach only globals. It must not request a stop, which may lock and run
+// callbacks. It writes one byte, and a waiting thread does the rest.
 std::atomic<int> write_end{-1};
 /// [ms] of the monotonic clock when the first signal came; 0: none did.
 std::atomic<std::int64_t> first_signal{0};

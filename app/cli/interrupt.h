@@ -4,9 +4,9 @@
 
 namespace plenoflame::cli {
 
-/// While it exists, the first SIGINT (Ctrl-C), SIGTERM or SIGHUP requests a stop; another one, from
-/// 0.3 s later on, ends the process at once, as if no handler were there. A signal that was ignored
-/// before stays so. One at a time.
+/// While it exists, the first SIGINT (Ctrl-C), SIGTERM or SIGHUP requests a stop. Another signal at
+/// least 0.3 s later ends the process at once, as without a handler. A signal that was ignored
+/// before stays ignored. Only one object at a time.
 class InterruptHandler {
  public:
   /// @throws Error when the handlers cannot be installed, std::system_error when there is no thread

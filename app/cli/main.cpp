@@ -19,8 +19,8 @@ void expect_no_start() {
   std::set_terminate(cannot_start);
 }
 
-/// Called before the libraries are initialised: log4cplus, which OpenVDB uses, starts threads then,
-/// and nobody can catch what that throws where no thread is to be had.
+/// Called before the libraries are initialised. log4cplus, which OpenVDB uses, starts threads then.
+/// If the system cannot start a thread, the exception is thrown outside of any handler.
 [[gnu::section(".preinit_array"), gnu::used]] void (*const before_libraries)() = expect_no_start;
 
 }  // namespace

@@ -10,7 +10,7 @@
 namespace plenoflame::cli {
 namespace {
 
-/// @param what is asked for, after "a number " @return a message; empty: the text is that
+/// @param what condition, after "a number " @return a message; empty: the number fulfils it
 CLI::Validator number_that(const std::string& what, const std::function<bool(double)>& fits) {
   const auto check = [what, fits](const std::string& text) -> std::string {
     double value = 0;

@@ -11,9 +11,10 @@ struct NumberRow {
   std::vector<double> values;
 };
 
-/// Reads lines of `count` finite numbers with commas between; # begins a comment, empty lines and a
-/// header of words are skipped. @param what the line should be, for the message, e.g. "a point:
-/// x,y,z in metres" @throws InputError with the line, and for a file without any; FileError
+/// Reads lines of `count` finite numbers with commas between. Comments begin with #; empty lines
+/// and a header of words are skipped.
+/// @param what the line should be, for the message, e.g. "a point: x,y,z in metres"
+/// @throws InputError with the line, and for a file without any; FileError
 std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t count,
                                         std::string_view what);
 

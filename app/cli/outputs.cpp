@@ -33,8 +33,8 @@ bool is_marked(CLI::Option& option, const char* name) {
   }
 }
 
-/// The files that a scene names. What it says of flames is left out: `reconstruct` does not read
-/// them, and other commands write none.
+/// The files that a scene names, without those of flames: `reconstruct` does not read them, and
+/// other commands write none.
 std::vector<std::string> files_of_scene(const std::string& path) {
   std::vector<std::string> files;
   try {

@@ -14,9 +14,9 @@ CLI::Validator written();
 /// Marks an option whose file may also be the output: the command continues it.
 CLI::Validator continued();
 
-/// No output of a command may be another one, nor a file that it reads, by whatever name (links,
-/// "./"). What it reads are all files that its other options and its scenes name.
-/// @param app after parsing: the chosen command is looked at @throws UsageError
+/// No output of a command may be another output or one of its inputs, by whatever name (links,
+/// "./"). Inputs are all files that its other options and its scenes name.
+/// @param app after parsing: the chosen command is checked @throws UsageError
 void check_outputs(CLI::App& app);
 
 }  // namespace plenoflame::cli

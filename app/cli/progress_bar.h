@@ -16,10 +16,10 @@ std::string format_duration(double seconds);
 /// @param label of what is under way, before all else; empty: none
 std::string progress_line(const Progress& progress, int columns, const std::string& label = "");
 
-/// Progress and messages of a run on one stream. Work that does not tell its remaining time gets
-/// one by the time that its share has taken. The progress line is drawn only on a terminal and
-/// never more often than ten times per second; messages ("plenoflame: warning: ...") always appear,
-/// on lines of their own. Safe to call from several threads.
+/// Progress and messages of a run on one stream. If work does not report its remaining time, the
+/// bar estimates it from the time of the completed share. The progress line is drawn only on a
+/// terminal, at most ten times per second. Messages ("plenoflame: warning: ...") always appear on
+/// their own lines. Safe to call from several threads.
 class ProgressBar {
  public:
   /// Standard error. @param quiet draws no progress and no notes; warnings remain

@@ -26,7 +26,7 @@ bool is_further_rank();
 /// Worker threads of this rank unless the user says how many: the ranks of a node share it.
 int default_threads(const JobCommunicator& ranks);
 
-/// The work of a rank above 0: whatever rank 0 asks for, until that quits.
+/// The work of a rank above 0: all requests of rank 0, until rank 0 quits.
 void serve_ranks(JobCommunicator& ranks, const std::stop_token& stop);
 
 /// Tells the others that there is no more to do, and waits for them a while.

@@ -108,7 +108,7 @@ std::optional<int> parse(CLI::App& app, Action& action, int argc, const char* co
     app.exit(request, std::cout, std::cerr);
     return kSuccess;
   } catch (const CLI::RequiredError& error) {
-    // A misspelt option comes first: what is missing may be what it was meant for.
+    // A misspelt option comes first: it may be the one that is missing.
     const std::string unexpected = unexpected_arguments(app);
     if (!unexpected.empty()) return fail(kBadUse, unexpected + help_hint(app));
     if (!app.get_subcommands().empty()) return fail(kBadUse, error.what() + help_hint(app));

@@ -35,10 +35,10 @@ int fail(int status, const QString& message) {
   return status;
 }
 
-/// Why no window could be shown; empty: one could. Without a display, or with one that refuses
-/// (that of another user, of a connection that has ended), Qt itself would end the process, with
-/// lines about plug-ins. The connection is kept: a virtual X server starts anew when its last
-/// client leaves.
+/// The reason why no window can be shown; empty: one can. Some displays are missing or refuse a
+/// connection (another user's, or that of a closed session). Qt itself would then end the process
+/// with lines about plug-ins. The connection is kept, because a virtual X server restarts when its
+/// last client leaves.
 std::string why_no_window(std::optional<plenoflame::views::DisplayConnection>& connection) {
   const QByteArray platform = qgetenv("QT_QPA_PLATFORM");
   if (!platform.isEmpty() && !platform.startsWith("xcb") && !platform.startsWith("wayland"))
@@ -55,7 +55,7 @@ std::string why_no_window(std::optional<plenoflame::views::DisplayConnection>& c
   return "the display '" + name + "' cannot be opened; see that it runs and is yours, or " + advice;
 }
 
-/// True if the arguments ask for a text only, which needs no window.
+/// True if the arguments request a text only, which needs no window.
 bool asks_for_text(int argc, char** argv) {
   return std::any_of(argv + 1, argv + argc, [](const std::string_view argument) {
     return argument == "-h" || argument == "--help" || argument == "-v" || argument == "--version";

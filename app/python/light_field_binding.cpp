@@ -41,7 +41,7 @@ class LightFieldSource : public Runnable {
   std::shared_ptr<SceneHandle> scene;
   RenderRequest request;
   PixelWindow window;
-  std::shared_ptr<const CompiledCamera> camera;  ///< nullptr: rays are found anew
+  std::shared_ptr<const CompiledCamera> camera;  ///< nullptr: rays are traced
   bool truth = false;
   double relative_error = -1;
   Field output;

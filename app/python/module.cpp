@@ -1,5 +1,5 @@
-// The package's compiled half where there is no VTK. Its classes answer to the names and setters of
-// the VTK classes (vtkPlenoflameX is X here), so that the Python layer above both is the same.
+// The package's compiled half without VTK. Its classes have the names and setters of the VTK
+// classes (vtkPlenoflameX is X here), so that both use the same Python layer.
 #include <pybind11/pybind11.h>
 
 #include <exception>

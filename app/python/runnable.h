@@ -5,7 +5,7 @@
 
 namespace plenoflame::python {
 
-/// Something that is set up, run, and then asked for its result, as VTK's algorithms are.
+/// An object that is set up and run, and then gives its result, like VTK's algorithms.
 class Runnable {
  public:
   virtual ~Runnable() = default;

@@ -39,9 +39,8 @@ class SurfaceBuilder {
 
   /// The surface, type and microlens that the polygons that follow belong to.
   void tag(int surface, int type, LensIndex lens);
-  /// Spherical cap, or a disc when the radius is infinite. z = vertex - r^2 / (R (1 + ...)): a
-  /// positive radius has its centre towards the sensor, as SurfaceSpec has it. All [m], camera
-  /// frame.
+  /// Spherical cap, or a disc when the radius is infinite: z = vertex - r^2 / (R (1 + ...)). A
+  /// positive radius has its centre towards the sensor, as in SurfaceSpec. All [m], camera frame.
   void cap(Vec2 centre, double vertex, double radius, double diameter);
   /// The same within the edge of a microlens' aperture.
   void cap(Vec2 centre, double vertex, double radius, const MicrolensAperture& aperture);

@@ -17,8 +17,8 @@ std::string array_range_text(double near, double far);
 /// A distance in the scene; negative ones lie past infinity.
 std::string object_text(double value);
 
-/// The effective resolution of a scene's camera, as every front end shows it: at the wavelength of
-/// the first channel where that is narrow, else at that for which the glasses' indices are given.
+/// The effective resolution of a scene's camera, as every front end shows it. The wavelength is
+/// that of the first channel if it is narrow, else the one of the glasses' indices.
 std::vector<ResolutionPoint> design_curve(const Camera& camera, const Scene& scene);
 
 void add_main_lens(const CameraDesign& design, Report& report);

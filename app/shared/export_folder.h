@@ -9,7 +9,7 @@
 
 namespace plenoflame {
 
-/// Files of another tool, as a script asks for them.
+/// Export for another tool, as requested by a script.
 struct ExportRequest {
   std::string format;   ///< one of export_formats(), by name
   std::string folder;   ///< made when missing, else it must be empty

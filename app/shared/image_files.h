@@ -15,16 +15,16 @@ struct NamedImage {
   std::map<std::string, double> numbers;
 };
 
-/// Writes every image as PNG (sRGB curve, 16 bits, one exposure for all: 99.9 % of the pixels with
-/// light are not saturated), and as EXR in `unit` when asked for.
+/// Writes every image as PNG and, with `exr`, as EXR in `unit`. A PNG has the sRGB curve, 16 bits,
+/// and one exposure for all: 99.9 % of the lit pixels are not saturated.
 /// @return the value that is white
 /// @throws FileError, Cancelled
 double write_images(const std::string& folder, const std::vector<NamedImage>& images,
                     const std::string& unit, const std::string& channel, bool exr,
                     const LightField& raw, const Execution& execution = {});
 
-/// Writes a depth map: depth.exr with the channels "depth" [m] and "confidence", and depth.png, in
-/// which the nearest depth is white, the farthest dark, and what is unknown black.
+/// Writes a depth map. File depth.exr has the channels "depth" [m] and "confidence". In depth.png
+/// the nearest depth is white, the farthest dark, and unknown pixels are black.
 void write_depth(const std::string& folder, const Image& depth, const Image& confidence,
                  double nearest, double farthest, const LightField& raw);
 

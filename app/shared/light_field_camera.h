@@ -16,8 +16,9 @@ namespace plenoflame {
 SceneDocument scene_of(const LightField& field, const std::string& name,
                        const std::vector<std::string>& values = {});
 
-/// Makes sure of a scene's camera alone, with the channels that its filters are for: what a light
-/// field is evaluated with. @param path of the scene, for messages @throws InputError
+/// Validates the part of a scene with which a light field is evaluated: the camera, and the
+/// channels of its filters.
+/// @param path of the scene, for messages @throws InputError
 void check_camera_of(const SceneDocument& document, const std::string& path);
 
 /// Through which optics a light field was taken.
@@ -31,8 +32,8 @@ TakenThrough taken_through(const LightField& field);
 
 namespace pipeline {
 
-/// The micro-images of the camera that was asked for last, as it sees through its windows: tracing
-/// them takes longer than what filters do with them.
+/// The micro-images of the latest requested camera, seen through its windows. Tracing them takes
+/// longer than the filters' use of them.
 class MicroImageCache {
  public:
   const MicroImages& get(const TakenThrough& optics, bool white, const Execution& execution) {

@@ -80,7 +80,7 @@ double duration_option(std::string_view option, const std::string& text) {
   std::vector<double> numbers;
   std::istringstream parts(days ? text.substr(dash + 1) : text);
   for (std::string part; std::getline(parts, part, ':');) {
-    // Only the first may be any number: the days, or what stands before the minutes.
+    // Only the first may be any number: the days, or the part before the minutes.
     const bool any = !days && numbers.empty();
     if (!is_digits(part) || part.size() > (any ? 6U : 2U)) throw fail();
     numbers.push_back(std::stod(part));

@@ -30,7 +30,7 @@ template <class Number>
 Number whole_number_option(std::string_view option, const std::string& text, Number least,
                            Number greatest = std::numeric_limits<Number>::max());
 
-/// Two whole numbers with a separator between: "3,-4". @param form what is asked for, e.g. "X,Y"
+/// Two whole numbers with a separator between: "3,-4". @param form expected form, e.g. "X,Y"
 /// @throws UsageError
 std::array<int, 2> pair_option(std::string_view option, const std::string& text,
                                std::string_view form, char separator = ',');
@@ -46,7 +46,7 @@ Box box_option(std::string_view option, const std::string& text);
 void check_ending(std::string_view option, const std::string& output,
                   std::initializer_list<std::string_view> endings);
 
-/// True if both are one file or folder, by whatever names: links, "./". Whether it is there or not.
+/// True if both are one file or folder, by whatever names (links, "./"), even if it does not exist.
 bool is_same_file(const std::string& a, const std::string& b);
 
 /// Refuses to write over a file that is read. @throws UsageError when both are the same file
@@ -61,8 +61,8 @@ double number_option(std::string_view option, const std::string& text, double le
 void check_choice(std::string_view option, const std::string& text,
                   const std::vector<std::string>& words);
 
-/// The name in `candidates` that `name` is most likely meant to be (least edit distance, at most a
-/// third of its length); empty: none is near.
+/// The name in `candidates` that `name` probably means: least edit distance, at most a third of its
+/// length. Empty: no name is near.
 std::string nearest_name(const std::string& name, const std::vector<std::string>& candidates);
 
 }  // namespace plenoflame

@@ -36,8 +36,8 @@ struct Plot {
 /// The colour of the k-th series where nothing better is known.
 std::array<double, 3> plot_colour(std::size_t k);
 
-/// The plots as a file, each 900 x 620 points, from left to right in so many columns; text is drawn
-/// as outlines, so that it looks alike everywhere. Series without a point are left out.
+/// Writes the plots as a file, each 900 x 620 points, from left to right in `columns` columns. Text
+/// is drawn as outlines, so that it looks alike everywhere. Series without a point are left out.
 /// @throws FileError
 void write_plot_svg(const std::string& path, const std::vector<Plot>& plots, int columns = 1);
 /// The same as text.

@@ -12,8 +12,8 @@ std::string readable(double value, Dimension dimension);
 std::string readable_point(Vec3 point);
 /// A share as percentage: "1.234 %".
 std::string readable_percent(double share);
-/// A value of a light field or a picture made of one, in its unit: watts and radiances are scaled,
-/// electrons, counts and so on are not.
+/// A value of a light field, or of a picture made from one, in its unit. Watts and radiances get a
+/// prefix; electrons, counts and others do not.
 std::string readable_in(double value, const std::string& unit);
 /// A number: four significant digits.
 std::string readable_number(double value);

@@ -50,7 +50,8 @@ struct ReconstructRequest {
 std::vector<std::string> reconstruction_solvers();
 
 /// Sets an option by its name, "unknowns" or "absorption-ratios"; flags ("truth", "all-voxels")
-/// take true or false. @throws UsageError for an unknown name and for numbers out of range
+/// take true or false.
+/// @throws UsageError for an unknown name and for numbers out of range
 void set_option(ReconstructRequest& request, const std::string& name, const std::string& text);
 
 /// Settings for core; nothing that cannot work passes, before anything is read or followed.

@@ -79,7 +79,7 @@ void write_estimate(const std::string& path, const ReconstructResult& result,
                       "out of range",
                       path, found[i].name));
     grids.push_back({&fields[i], found[i].unit});
-    // --resume goes on with this strength.
+    // --resume continues with this strength.
     if (found[i].name == "emission")
       grids.back().metadata = {{"strength", fmt::format("{:.17g}", result.figures.strength)}};
   }

@@ -62,8 +62,9 @@ void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const
 void report_suspects(const ReconstructResult& result, const std::vector<std::string>& cameras,
                      Report& report);
 
-/// Adds what the common error of the pictures' light does to emission, and to the temperature that
-/// follows from it by the channel's source function. @param source nullptr: it does not follow so
+/// Reports the effect of the pictures' common error of light on emission, and on the temperature
+/// that follows from it.
+/// @param source of the channel; nullptr: no temperature follows from the emission
 void report_scale(const ReconstructResult& result, const SourceFunction* source,
                   const Unknowns& unknowns, Report& report);
 

@@ -13,7 +13,7 @@
 namespace plenoflame {
 namespace {
 
-/// Above this part of a value its deviation says that hardly anything is known.
+/// A value whose deviation is above this share of it is poorly known.
 constexpr double kHardlyKnown = 0.5;
 /// Shares of light that an uncoated window may take.
 constexpr std::pair<double, double> kGlass{0.05, 0.15};

@@ -11,8 +11,8 @@
 
 namespace plenoflame {
 
-/// A reconstruction of one frame that is set up step by step, run, and then asked for its result:
-/// what both halves of the Python package show.
+/// A reconstruction of one frame that is set up step by step and run. It then gives its result,
+/// which both halves of the Python package show.
 class ReconstructionTask {
  public:
   using Compile = std::function<std::shared_ptr<const CompiledScene>(const Execution&)>;
@@ -28,7 +28,7 @@ class ReconstructionTask {
   /// @throws UsageError
   void set_earlier(const std::string& use, const std::string& field, std::vector<double> values);
 
-  /// Is told of each state while it runs, by the thread that reconstructs.
+  /// Called with each state of the run, by the reconstructing thread.
   using Watch = std::function<void(const ReconstructionState&, const Unknowns&)>;
   /// @param watch may be empty @throws as Reconstructor; there is no result then
   void run(const Execution& execution, const Watch& watch = {});
@@ -37,7 +37,7 @@ class ReconstructionTask {
   /// With a result only.
   const ReconstructResult& result() const { return *result_; }
   const Unknowns& unknowns() const { return reconstructor_->unknowns(); }
-  /// With a result: the scene's flames at the unknowns, where "truth" was asked for; else null.
+  /// With a result: the scene's flames at the unknowns, if "truth" was set; else null.
   const FlameTruth* truth() const { return reconstructor_->truth(); }
   const Report& report() const { return report_; }
   /// Its lines, "label: text".

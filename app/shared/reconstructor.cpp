@@ -23,7 +23,7 @@ namespace {
 /// Share of the work before the cameras are tested, of temperatures.
 constexpr double kUntested = 0.7;
 
-/// Channels that are wanted, as the first picture names them.
+/// The requested channels, by the names in the first picture.
 /// @param filtered filters in the pupil may give one channel two colours
 std::vector<std::string> wanted_channels(const ReconstructRequest& request,
                                          const LightField& picture, const std::string& name,

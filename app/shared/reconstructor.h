@@ -52,16 +52,17 @@ FrameMeasurements measure_frame(const ReconstructRequest& request,
                                 const std::vector<LightField>& pictures,
                                 const std::vector<std::string>& names);
 
-/// Warns of what is left out of them.
+/// Warns of pixels that are left out.
 void warn_of_pictures(const FrameMeasurements& measurements, const std::vector<std::string>& names,
                       const Execution& execution);
 
 /// A reconstruction of one frame after the other.
 class Reconstructor {
  public:
-  /// @param cameras must outlive it @param first frame, by which the axis of rings is fitted where
-  /// that is asked for @throws InputError, UsageError, FileError: earlier results and supports that
-  /// cannot be read or do not fit
+  /// @param cameras must outlive it
+  /// @param first frame, to which the axis of rings is fitted on request
+  /// @throws InputError, UsageError, FileError: earlier results and supports that cannot be read or
+  ///         do not fit
   Reconstructor(const ReconstructRequest& request, const ReconstructCameras& cameras,
                 const FrameMeasurements& first, const Execution& execution);
 
@@ -70,7 +71,7 @@ class Reconstructor {
   const UnknownsRequest& unknowns_request() const { return request_.unknowns; }
   /// Lets other processes take part in frames. @param assembly must outlive them
   void share(SharedAssembly& assembly) { settings_.assembly = &assembly; }
-  /// The scene's flames at the unknowns, where the request asks for the truth.
+  /// The scene's flames at the unknowns, if the request has the truth.
   const FlameTruth* truth() const { return truth_ ? &*truth_ : nullptr; }
 
   /// Begins where the frame before ended, with the first frame's strength. The first frame refines

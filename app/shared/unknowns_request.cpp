@@ -34,7 +34,7 @@ void check_number_of_unknowns(const std::vector<int>& counts) {
   throw UsageError(text.str());
 }
 
-/// Unknowns that are slivers tell nothing apart, and a line meets all of them.
+/// Very thin unknowns resolve nothing, and a line meets all of them.
 void check_shape(const std::string& what, std::initializer_list<double> sides) {
   constexpr double kMost = 1000;
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());

@@ -35,7 +35,7 @@ void check_unknowns(const UnknownsRequest& request);
 /// tells it. @throws UsageError
 Box block_of(const UnknownsRequest& request, const CompiledScene& scene);
 
-/// The unknowns that the request asks for. @throws UsageError
+/// The requested unknowns. @throws UsageError
 std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const CompiledScene& scene);
 
 /// A channel of the scene's flames at a place.

@@ -19,8 +19,8 @@ struct IndexBox {
   std::array<std::size_t, 3> size() const;
 };
 
-/// The places of an array's samples: sample (i, j, k) stands at origin + the sum of i, j, k times
-/// spacing times direction along each axis.
+/// The places of an array's samples. Sample (i, j, k) is at the origin plus the sum of i, j, k
+/// times spacing times direction along each axis.
 struct VoxelPlace {
   std::array<std::size_t, 3> size{};
   Vec3 origin;                         ///< [m] world

@@ -7,8 +7,8 @@
 #include "plenoflame/base/execution.h"
 #include "plenoflame/scene/scene.h"
 
-/// Commands that need VTK. They live in a library of their own that is loaded when one of them is
-/// called: linked to the command, VTK's hundred libraries would slow down the start of all others.
+/// Commands that need VTK. Their library is loaded when one of them is called. Linked to the
+/// command, VTK's hundred libraries would slow down the start of all others.
 namespace plenoflame {
 
 /// plenoflame picture

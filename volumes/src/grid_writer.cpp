@@ -42,7 +42,7 @@ class Writer : public openvdb::io::Archive {
   }
 };
 
-/// Where a .vdb file has its UUID, after the magic number, three versions and a flag.
+/// Place of a .vdb file's UUID, after the magic number, three versions and a flag.
 constexpr std::int64_t kUuidBegin = 21, kUuidEnd = kUuidBegin + 36;
 
 /// FNV-1a of 64 bits.
@@ -56,9 +56,9 @@ class Hash {
   std::uint64_t value_;
 };
 
-/// The stream that OpenVDB writes to: a file that appears when it is complete, and of which nothing
-/// is left when the process is killed before. Every brick comes as some bytes of its own, at each
-/// of which writing can be stopped.
+/// The stream to which OpenVDB writes. Its file appears when it is complete; a killed process
+/// leaves no file. Every brick arrives as separate bytes, and writing can be stopped at each of
+/// them.
 class StoppableFile : public std::streambuf {
  public:
   StoppableFile(AtomicFile& file, std::stop_token stop) : file_(file), stop_(std::move(stop)) {}
@@ -83,7 +83,7 @@ class StoppableFile : public std::streambuf {
     const int whence = from == std::ios::beg   ? SEEK_SET
                        : from == std::ios::cur ? SEEK_CUR
                                                : SEEK_END;
-    // What is buffered is written first, for which the disk may have no room.
+    // Buffered bytes are written first, which may fail on a full disk.
     if (fseeko(file_.stream(), offset, whence) != 0) file_.fail(errno);
     place_ = ftello(file_.stream());
     return place_;

@@ -54,7 +54,7 @@ class ByteReader {
   std::size_t position_ = 0;
 };
 
-/// Hands out bytes in memory, or nothing at all when there are fewer than asked for.
+/// Hands out bytes in memory, all or none of the requested number.
 class MemoryBuffer : public std::streambuf {
  public:
   MemoryBuffer(const char* data, std::size_t size);

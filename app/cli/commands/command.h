@@ -13,8 +13,8 @@ class JobCommunicator;
 
 /// The chosen command's work, done once the command line was accepted. @return the exit status
 using PlainAction = std::function<int()>;
-/// One that looks at the token, which a signal (Ctrl-C, SIGTERM, SIGHUP) requests to stop: it saves
-/// what there is, or throws Cancelled where there is nothing.
+/// An action that checks the token, which a signal (Ctrl-C, SIGTERM, SIGHUP) requests to stop. It
+/// saves its partial result, or throws Cancelled without one.
 using StoppableAction = std::function<int(const std::stop_token& stop)>;
 
 struct Action {
@@ -48,8 +48,9 @@ CLI::App& add_command(const Registry& registry, const std::string& name,
 void on_chosen(CLI::App& command, const Registry& registry, PlainAction action);
 void on_chosen(CLI::App& command, const Registry& registry, StoppableAction action);
 
-/// A command or subcommand that this build lacks: --help lists it, and using it says what it needs
-/// and how to get that. @param part "OpenVDB" or "VTK"
+/// A command or subcommand that this build lacks. --help lists it, and its use tells what it needs
+/// and how to get that.
+/// @param part "OpenVDB" or "VTK"
 CLI::App& add_missing(CLI::App& parent, const std::string& name, const std::string& part,
                       const std::string& description);
 

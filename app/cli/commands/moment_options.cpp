@@ -85,7 +85,7 @@ double time_option(const std::string& name, const std::string& text) {
 
 void check_frames(const SceneTimeline& timeline, const FrameRange& frames,
                   const SceneDocument& document) {
-  // The first frame and the last one are looked at: if both lie within the series, all do.
+  // Checks the first and the last frame: if both lie within the series, all do.
   static_cast<void>(timeline.begin_of(frames.first));
   static_cast<void>(timeline.begin_of(frames.last));
   const std::vector<std::string> missing =

@@ -37,7 +37,7 @@ Part part_option(const std::string& option, const std::string& text) {
   try {
     if (!text.starts_with("auto")) return part_from(text);
     const int task = of_array(option, "SLURM_ARRAY_TASK_ID");
-    // The number of parts is given: a task that is begun anew alone is in an array of one.
+    // The number of parts is given: a task that is restarted alone is in an array of one.
     if (text.starts_with("auto/")) return part_from(std::to_string(task) + text.substr(4));
     if (text != "auto") return part_from(text);
     const int first = of_array(option, "SLURM_ARRAY_TASK_MIN");

@@ -12,8 +12,9 @@ namespace plenoflame::cli {
 /// Adds --part. @param what is done with it
 void add_part_option(CLI::App& command, std::string& part, const std::string& what);
 
-/// Reads K/N; "auto/N", whose K is the number of the task in a Slurm job array, counted from 1;
-/// "auto", of as many parts as the array has tasks. @throws UsageError
+/// Reads K/N, "auto/N" or "auto". With "auto/N", K is the number of the task in a Slurm job array,
+/// counted from 1. With "auto", N is the number of the array's tasks.
+/// @throws UsageError
 Part part_option(const std::string& option, const std::string& text);
 
 /// "part-2-of-4", which goes into the names of files.

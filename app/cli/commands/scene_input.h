@@ -16,9 +16,10 @@ namespace plenoflame::cli {
 /// --set of every command that reads a scene. @param values receives "KEY=VALUE", in order
 void add_set_option(CLI::App& command, std::vector<std::string>& values);
 
-/// Reads and validates a scene file. @param settings of --set @param warnings if given, gets what
-/// is probably not meant, one line each, with file, line and column; compile() says the same to
-/// its execution
+/// Reads and validates a scene file.
+/// @param settings of --set
+/// @param warnings if given, gets probable mistakes, one line each, with file, line and column;
+///        compile() sends the same to its execution
 /// @throws FileError, InputError with at least the file in front; UsageError about a setting
 SceneDocument read_valid_scene(const std::string& path,
                                const std::vector<std::string>& settings = {},

@@ -190,7 +190,7 @@ void Document::open_text(const std::string& text, const std::string& name) {
 void Document::recover(const RecoveredScene& recovered) {
   SceneDocument document = parse_scene(recovered.text, recovered.path);
   document.scene = moved_to(document.scene, recovered.file);
-  document.positions = {};  // of the copy, which nobody knows
+  document.positions = {};  // of the copy, which are unknown
   begin(std::move(document), recovered.file, nullptr);
   history_.forget_saved();
   emit state_changed();

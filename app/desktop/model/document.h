@@ -96,8 +96,8 @@ class Document : public QObject {
   std::string name() const;
   bool is_modified() const { return !empty_ && !history_.saved(); }
 
-  /// Opens a scene (.toml), a flame (.vdb, put before the present camera, or the default one) or a
-  /// raw light field (.exr, with the scene it holds), by the ending.
+  /// Opens a file by its ending. A scene is .toml. A flame (.vdb) is put before the present camera,
+  /// or the default one. A raw light field (.exr) is opened with the scene that it holds.
   /// @throws FileError, InputError, UsageError (another ending)
   void open(const std::string& path) { open(read(path)); }
   /// The two halves of it. The first one takes long for what is large, and may run on any thread.
@@ -118,8 +118,9 @@ class Document : public QObject {
   void set_value(const std::string& path, const std::string& text) { set_value(path, text, path); }
   void insert_item(const std::string& list, std::size_t position);
   void erase_item(const std::string& list, std::size_t position);
-  /// Starts a camera, a lens or a flame from a preset. @param index of the flame, or of one of
-  ///        several cameras; what places a camera or a flame in the world is kept
+  /// Starts a camera, a lens or a flame from a preset. The place of a camera or a flame in the
+  /// world is kept.
+  /// @param index of the flame, or of one of several cameras
   void apply_preset(PresetKind kind, const std::string& name, std::size_t index = 0);
   /// Any other change. @param what for the menu  @param merge see UndoHistory::push
   void change(const Scene& scene, const std::string& what, const std::string& merge = {});

@@ -44,7 +44,7 @@ std::vector<ExampleFlame> flames_of_example(const QString& text) {
 }
 
 QString example_with_files(const QString& text, const QString& folder) {
-  QString escaped = folder;  // as TOML has it in a basic string
+  QString escaped = folder;  // as in a basic string of TOML
   escaped.replace('\\', "\\\\").replace('"', "\\\"");
   QString out;
   qsizetype done = 0;

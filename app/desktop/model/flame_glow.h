@@ -8,8 +8,8 @@
 
 namespace plenoflame::desktop {
 
-/// Emission of a medium at a point, all channels together [W/(m^3 sr)]. Where a flame is clear,
-/// light of radicals and atoms alone, this is what there is to draw of it.
+/// Emission of a medium at a point, all channels together [W/(m^3 sr)]. A clear flame, with only
+/// the light of radicals and atoms, is drawn from it.
 double glow(const Medium& medium, Vec3 place);
 
 }  // namespace plenoflame::desktop

@@ -39,7 +39,7 @@ bool operator==(const FlameLook& a, const FlameLook& b);
 /// Opacity at a place: straight lines between the points, the ends beyond them.
 double opacity_at(const std::vector<OpacityPoint>& points, double place);
 
-/// Adds a point; places are clamped to what lies between the ends. @return its number
+/// Adds a point; places are clamped to the range between the ends. @return its number
 std::size_t add_point(std::vector<OpacityPoint>& points, const OpacityPoint& point);
 /// Moves a point; it stays between its neighbours, and the ends stay at the ends.
 void move_point(std::vector<OpacityPoint>& points, std::size_t number, const OpacityPoint& to);

@@ -213,7 +213,7 @@ void ParameterModel::refresh() {
   follow();
 }
 
-/// Issues may be those of a scene of which the model has not been told yet.
+/// Issues may belong to a scene that the model has not received yet.
 void ParameterModel::follow() {
   const auto paths =
       document_.is_empty() ? std::vector<std::string>{} : scene_paths(document_.scene());
@@ -279,7 +279,7 @@ QVariant ParameterModel::data(const QModelIndex& index, int role) const {
         if (node.item < 0) return readable(node.segment);
         if (const QString name = lens_surface_name(document_.scene(), node.path); !name.isEmpty())
           return QString("%1: %2").arg(node.item + 1).arg(name);
-        // Items are told apart by their names where they have some.
+        // Items are identified by their names, if they have names.
         const SchemaKey* const name = find_schema_key(node.path + ".name");
         const QString text =
             name ? QString::fromStdString(get_text(document_.scene(), node.path + ".name"))

@@ -13,8 +13,8 @@ namespace plenoflame::desktop {
 /// The document's scene as a tree: tables, lists and values, from the one table that describes
 /// scene files. Column 0 names, 1 values as text with units, 2 what is allowed.
 ///
-/// A value that is refused stays on display with its message until it is corrected or something
-/// else is typed; the document does not get it.
+/// A rejected value stays on display with its message until the user corrects or replaces it. The
+/// document does not get it.
 class ParameterModel : public QAbstractItemModel {
   Q_OBJECT
  public:

@@ -6,9 +6,8 @@
 
 namespace plenoflame::desktop {
 
-/// Keeps a mark that the program runs, and a copy of the scene that is worked on, in a folder of
-/// its own, and takes both away when the program ends as it should. Copies of programs that still
-/// run are left alone.
+/// Keeps a mark of the running program and a copy of the present scene in its own folder. Both are
+/// removed when the program ends normally. Copies of programs that still run are left alone.
 class Recovery {
  public:
   /// @param folder is made when it does not exist

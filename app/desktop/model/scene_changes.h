@@ -3,7 +3,7 @@
 
 namespace plenoflame::desktop {
 
-/// Differences between two scenes, sorted by what has to be computed anew for it.
+/// Differences between two scenes, sorted by the results that have to be recomputed.
 struct SceneChanges {
   bool camera = false;    ///< optics, windows included: rays, images, design
   bool flames = false;    ///< what a flame is or where it stands

@@ -5,8 +5,8 @@
 
 namespace plenoflame::desktop {
 
-/// Things that can be pointed at. Where the flame is not met, or there are no microlenses, it is
-/// the sensor.
+/// Targets of the pointer. The sensor is the target if the sight misses the flame, or without
+/// microlenses.
 enum class Targets { flame, microlenses, sensor };
 
 /// The thing that a line of sight meets.

@@ -83,7 +83,7 @@ Schematic::Schematic(const Vec3& origin, const Vec3& axis, std::vector<std::arra
     if (part[0] - end > longest) gaps_.push_back({end, part[0], 0, 0});
     end = std::max(end, part[1]);
   }
-  // A gap holds all of its shortening: what lies beyond it is moved by as much.
+  // A gap holds all of its shortening: things beyond it move by the same length.
   double moved = 0;
   for (auto gap = gaps_.rbegin(); gap != gaps_.rend(); ++gap) {  // behind the origin
     if (gap->end > 0) continue;

@@ -61,9 +61,10 @@ struct ThingSeen {
 };
 
 /// Drawings of the axes of cameras that look at the same things, one for each. A single camera
-/// stays where it is and things come nearer. Where there are several the things stay, and the
-/// cameras come nearer as far as they have room beside each other. Where things are beside or
-/// behind a camera, or nothing is seen by several, it is drawn to scale.
+/// stays where it is, and things come nearer. With several cameras the things stay, and the cameras
+/// come nearer as far as they have room beside each other. A camera is drawn to scale if things are
+/// beside or behind it, or, with several cameras, if it
+/// sees nothing.
 std::vector<Schematic> shortened_axes(const std::vector<CameraOnAxis>& cameras,
                                       const std::vector<ThingSeen>& things);
 

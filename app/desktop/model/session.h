@@ -33,7 +33,7 @@ class Session : public QObject {
   /// True if the image follows every change by itself (default).
   bool auto_render() const { return auto_render_; }
   void set_auto_render(bool on);
-  /// Asks for the places of micro-images, and for views, which cost much more time.
+  /// Requests the places of micro-images, and views, which cost much more time.
   void set_outlines_wanted(bool on);
   void set_views_wanted(bool on);
   /// Renders the present scene from the beginning.

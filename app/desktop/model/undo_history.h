@@ -16,7 +16,7 @@ class UndoHistory {
 
   UndoHistory() : states_(1) {}
 
-  /// Begins anew with this state, which counts as saved; the look stays.
+  /// Restarts from this state, which counts as saved; the look stays.
   void reset(SceneDocument state);
 
   /// @param what was done, for the menu  @param merge edits in a row with the same word, not empty,

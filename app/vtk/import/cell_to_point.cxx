@@ -117,7 +117,7 @@ vtkSmartPointer<vtkDoubleArray> cells_to_points(vtkDataSet& mesh, vtkDataArray& 
     mesh.GetPoint(i, p.data());
     const Vec3 point{p[0], p[1], p[2]};
     Fit found = fit(cells, ring, point);
-    // A point at the rim has its cells on one side: the next ones tell the slope.
+    // A point at the rim has its cells on one side: the next ones give the slope.
     constexpr double kOneSided = 0.25;
     const Vec3 away = found.middle - point;
     if (dot(away, away) > kOneSided * kOneSided * found.spread2) {

@@ -29,9 +29,9 @@ std::vector<ArrayRange> ranges_of(const std::vector<vtkSmartPointer<vtkDataSet>>
 /// Bounds of all parts, in their units: x low, high, y low, ...
 std::array<double, 6> bounds_of(const std::vector<vtkSmartPointer<vtkDataSet>>& parts);
 
-/// Values of one array at the points of `lattice` (in the mesh's units), NaN outside of the mesh;
-/// within a cell as VTK interpolates its points. Arrays of cells are first averaged to the points.
-/// The first one in the list wins where parts overlap.
+/// Values of one array at the points of `lattice` (in the mesh's units), NaN outside of the mesh.
+/// Within a cell values are interpolated as in VTK. Arrays of cells are first averaged to the
+/// points. If parts overlap, the first one in the list counts.
 /// @throws InputError: no part has such an array (lists those present), more than one component, a
 ///         value that is not finite (names its place); Cancelled
 std::vector<float> sample(const std::vector<vtkSmartPointer<vtkDataSet>>& parts,

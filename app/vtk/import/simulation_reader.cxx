@@ -207,7 +207,7 @@ class SimulationReader::ErrorLog {
     reader.AddObserver(vtkCommand::ErrorEvent, callback_);
     reader.GetExecutive()->AddObserver(vtkCommand::ErrorEvent, callback_);
   }
-  /// Note what readers within the reader said, whom nobody watches.
+  /// Keeps the messages of readers within the reader, which have no observer.
   void add(const std::string& output) {
     if (const auto at = output.find("ERROR:"); first_.empty() && at != std::string::npos)
       first_ = output.substr(at);

@@ -21,7 +21,7 @@ class SimulationReader {
   SimulationReader(const std::string& path, const std::string& second);
   ~SimulationReader();
 
-  /// Times of the steps, as the file has them; a single 0 when it knows no time.
+  /// Times of the steps in the file; a single 0 without times.
   const std::vector<double>& times() const { return times_; }
   /// The parts of the mesh at a step, the finest cells first. @throws InputError, Cancelled
   std::vector<vtkSmartPointer<vtkDataSet>> read(std::size_t step, const Watcher& watcher);

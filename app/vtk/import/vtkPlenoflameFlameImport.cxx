@@ -60,8 +60,8 @@ void extend(std::vector<float>& values, const int (&size)[3], int layers) {
   }
 }
 
-/// Sets what is numerically nothing to 0, so that no voxels are stored for it: what changes neither
-/// the densest voxel, as single precision has it, nor the light of a ray through all of the flame.
+/// Sets negligible absorption to 0, so that no voxels are stored for it. It changes neither the
+/// densest voxel in single precision nor the light of a ray through the whole flame.
 /// @param longest [m] side of the flame
 void drop_nothing(std::vector<float>& absorption, double longest) {
   constexpr double kNothing = 1e-7;
@@ -154,8 +154,8 @@ int vtkPlenoflameFlameImport::RequestData(vtkInformation*, vtkInformationVector*
     this->Fill(vtkImageData::GetData(outputs));
     return 1;
   } catch (const plenoflame::Cancelled&) {
-    // As wanted by AbortExecute. The reader may have stopped amid its mesh, and what was not made
-    // is not up to date: the next Update() begins anew.
+    // As requested by AbortExecute. The reader may have stopped amid its mesh, and what was not
+    // made is not up to date: the next Update() starts again.
     vtkImageData::GetData(outputs)->Initialize();
     this->Internal->Reader.reset();
     this->Modified();
@@ -216,7 +216,7 @@ void vtkPlenoflameFlameImport::Fill(vtkImageData* image) {
   double origin[3], spacing[3];
   double count = 1;
   auto* const own = parts.size() == 1 ? vtkImageData::SafeDownCast(parts.front()) : nullptr;
-  // A lattice stays what it is, unless other voxels are asked for.
+  // A lattice stays as it is, unless other voxels are requested.
   const bool keep = own && this->VoxelSize == 0 && !(this->Bounds[0] < this->Bounds[1]) &&
                     own->GetDirectionMatrix()->IsIdentity() &&
                     own->GetPointData()->HasArray(this->TemperatureArray.c_str());

@@ -11,7 +11,7 @@
 
 namespace plenoflame::simulation {
 
-/// Is told how far something is, 0 to 1, and says whether to go on.
+/// Gets the progress, 0 to 1, and returns whether to continue.
 using Watcher = std::function<bool(double)>;
 
 /// Updates an algorithm under the eyes of a watcher. It stops where it looks at AbortExecute.

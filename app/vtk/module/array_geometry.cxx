@@ -17,7 +17,7 @@
 
 namespace plenoflame::pipeline {
 Vec3 type_colour(int type) {
-  // Okabe and Ito's palette: told apart with any colour vision.
+  // Okabe and Ito's palette: distinct with any colour vision.
   constexpr std::array<Vec3, 3> colours{
       {{0.0, 0.447, 0.698}, {0.902, 0.624, 0.0}, {0.0, 0.62, 0.451}}};
   return type < 0 ? Vec3{0.5, 0.5, 0.5} : colours[static_cast<std::size_t>(type) % colours.size()];

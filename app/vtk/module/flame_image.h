@@ -18,13 +18,14 @@ class Medium;
 namespace plenoflame::pipeline {
 
 /// A medium's temperature (the scalars, [K]) and absorption ([1/m]) as point data of an image over
-/// its bounds with `longest` points along the longest side; null when the medium is nowhere.
+/// its bounds. It has `longest` points along the longest side; null when the medium is nowhere.
 /// @throws Cancelled
 vtkSmartPointer<vtkImageData> flame_image(const Medium& medium, int longest,
                                           const Execution& execution);
 
 /// All grids of a flame as float arrays "temperature" [K], "absorption" [1/m] and one per emission
-/// line [W/m^3]; the lattice must be the same for all. @throws InputError: nothing but background
+/// line [W/m^3]. They must have the same lattice.
+/// @throws InputError: nothing but background
 void flame_to_image(FlameFields flame, vtkImageData& image);
 
 /// The flame of an image: temperature, absorption, and the other arrays that are named after

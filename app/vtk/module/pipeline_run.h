@@ -10,10 +10,10 @@ class vtkObject;
 /// Shared by all algorithms of the module: running core's functions under VTK's rules.
 namespace plenoflame::pipeline {
 
-/// Calls `task` on a thread of its own. Meanwhile the calling thread passes progress on to
-/// `algorithm`'s progress events, so that observers (of Python, too) run where Update() was called,
-/// and turns AbortExecute into a stop request. Warnings become warning events; an exception becomes
-/// an error event with the message that the command line would print.
+/// Calls `task` on its own thread. Meanwhile the calling thread forwards progress to `algorithm`'s
+/// progress events, so that observers (also in Python) run where Update() was called. It turns
+/// AbortExecute into a stop request. Warnings become warning events; an exception becomes an error
+/// event with the message of the command line.
 /// @param threads workers of the task; 0: one per processor
 /// @return whether the task ended without exception; false when it was aborted before there was a
 /// result

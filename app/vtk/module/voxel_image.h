@@ -24,7 +24,7 @@ void local_to_world(const AffineTransform& transform, const IndexBox& box, vtkMa
 void add_array(const VoxelArray& values, vtkImageData& image);
 
 /// An array of an image (point or cell data) as voxels with the image's origin, spacing and
-/// direction; bricks that hold only the background are left out.
+/// direction. Bricks that hold only the background are left out.
 /// @throws InputError: no such array (lists those present), more than one component
 VoxelField image_to_voxels(vtkImageData& image, const std::string& array, float background);
 

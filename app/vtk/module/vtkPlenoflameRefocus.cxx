@@ -64,7 +64,7 @@ int vtkPlenoflameRefocus::RequestInformation(vtkInformation*, vtkInformationVect
 
 int vtkPlenoflameRefocus::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs,
                                               vtkInformationVector*) {
-  // All of the light field, whatever part of the picture is wanted.
+  // The whole light field, for any requested part of the picture.
   vtkInformation* const in = inputs[0]->GetInformationObject(0);
   std::array<int, 6> extent{};
   in->Get(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data());

@@ -3,7 +3,7 @@
 
 namespace plenoflame::views {
 
-/// A connection to what OpenGL draws through. Held while VTK draws: a virtual X server starts anew
+/// A connection to what OpenGL draws through. Held while VTK draws: a virtual X server restarts
 /// when its last client leaves, and refuses connections meanwhile.
 class DisplayConnection {
  public:

@@ -31,7 +31,7 @@ vtkSmartPointer<vtkColorTransferFunction> temperature_colours(vtkImageData& flam
   auto [low, high] = emission_span(values("temperature"), values("absorption"));
   if (!(high > low)) low = 950, high = 1050;  // [K] nothing absorbs
   const auto colours = vtkSmartPointer<vtkColorTransferFunction>::New();
-  // Inferno (S. van der Walt and N. Smith, CC0) from 0.4 on, as the desktop application has it.
+  // Inferno (S. van der Walt and N. Smith, CC0) from 0.4 on, as in the desktop application.
   constexpr double kBegin = 0.4;
   constexpr std::array<std::array<double, 4>, 11> kSteps{{{0.4, 148, 38, 102},
                                                           {0.4375, 163, 44, 97},

@@ -18,7 +18,7 @@ inline constexpr std::array<double, 3> kBackground{0.05, 0.055, 0.065};
 std::string length_label(double metres);
 
 /// Axes of the world as three lines from `origin`, each `length` [m] long and labelled with it.
-/// @param right, up of the picture: texts go on where their axis ends
+/// @param right, up of the picture: texts begin at the end of their axis
 void add_axes(Vec3 origin, double length, Vec3 right, Vec3 up, int font_size,
               vtkRenderer& renderer);
 

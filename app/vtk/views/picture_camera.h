@@ -9,10 +9,11 @@ class vtkRenderer;
 namespace plenoflame::views {
 
 /// Points the renderer's camera along `direction` (from the eye to what it sees; any length) so
-/// that all points just fit in, with a margin, and sets near and far planes so that everything
-/// between a hundredth of the distance and `far` is seen.
-/// @param aspect width over height  @param up as seen in the picture
-/// @param far [m] from the middle of the points: how far what is drawn may reach
+/// that all points just fit in, with a margin. Near and far planes enclose everything between a
+/// hundredth of the distance and `far`.
+/// @param aspect width over height
+/// @param up as seen in the picture
+/// @param far [m] from the middle of the points: largest distance that is drawn
 void look_at(const std::vector<Vec3>& points, Vec3 direction, Vec3 up, double aspect, double far,
              vtkRenderer& renderer);
 

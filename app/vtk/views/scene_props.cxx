@@ -28,8 +28,8 @@ namespace {
 
 using Source = vtkPlenoflameCameraSource;
 
-/// Coordinates go to the graphics library relative to the part's own middle: its single precision
-/// would not tell the surfaces of a microlens apart half a metre from the origin.
+/// Coordinates go to the graphics library relative to the part's own middle. In its single
+/// precision, the surfaces of a microlens half a metre from the origin would coincide.
 vtkSmartPointer<vtkPolyDataMapper> mapper_of(vtkPolyData* data) {
   const auto mapper = vtkSmartPointer<vtkOpenGLPolyDataMapper>::New();
   mapper->SetInputData(data);

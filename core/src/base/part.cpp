@@ -34,8 +34,8 @@ Part part_from(const std::string& text) {
 }
 
 int part_of_tile(int tile, int across, int parts) {
-  // The points of a lattice of rank 1, whose step is the golden section of the number: each row is
-  // turned by so much against the one before that a part has no column of its own.
+  // The points of a rank-1 lattice whose step is the golden section of `parts`. Each row is rotated
+  // against the previous one, so that no part owns a whole column.
   const long long row = tile / across, column = tile % across;
   const auto golden = static_cast<long long>(std::lround(0.6180339887498949 * parts));
   const long long step = (golden - across % parts + parts) % parts;

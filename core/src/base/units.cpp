@@ -15,8 +15,9 @@
 namespace plenoflame {
 namespace {
 
-/// Rule by which a number with this unit becomes SI. A power of ten is applied to the decimal text
-/// before it is rounded to a double, so that "0.1 mm", "100 um" and "1e-4 m" are the same double.
+/// Converts a number with this unit to SI. The power of ten is applied to the decimal text before
+/// it is rounded to a double. The values "0.1 mm", "100 um" and "1e-4 m" are therefore the same
+/// double.
 struct Unit {
   std::string_view name;
   int power_of_ten = 0;
@@ -225,8 +226,8 @@ const Unit* find_unit(std::string_view name, Dimension dimension) {
   fail(text, dimension, "decimals follow a point, not a comma: " + quoted(with_point));
 }
 
-/// Shortest decimal text that reads back as `value` * 10^-shift does not exist in binary, so the
-/// power of ten is taken off the text: shortest digits of the value, decimal point moved.
+/// Writes the shortest digits of the value with a moved decimal point. In binary, value * 10^-shift
+/// does not exist exactly, so the power of ten is applied to the text.
 std::string decimal_text(double value, int shift) {
   std::array<char, 40> buffer;
   const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value,

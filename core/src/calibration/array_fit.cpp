@@ -34,8 +34,8 @@ std::optional<Vec2> traced_centre(const Camera& camera, LensIndex lens, Vec2 sta
   return std::nullopt;
 }
 
-/// Lens (0, 0) becomes the nominal camera's: of the micro-images of its type, that nearest to where
-/// the nominal one has it, if that is one pitch away at most.
+/// Lens (0, 0) becomes the nominal camera's. It is the micro-image of its type nearest to the
+/// nominal place, if that is at most one pitch away.
 void choose_origin(const CameraSpec& nominal, const WhiteLattice& lattice, Vec2 middle,
                    ArrayFit& fit) {
   const std::optional<Vec2> expected = traced_centre(Camera(nominal), {0, 0}, middle);
@@ -259,17 +259,18 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     if (!change.allFinite()) throw InputError("the array's numbers cannot be told from each other");
     array = changed(array, change.cwiseProduct(steps));
   }
-  // Noise of all good micro-images, whose model has ten numbers or less; and the scatter of the
-  // regions, each of which counts once (Liang and Zeger 1986, Biometrika 73, 13). What is wrong
-  // alike over the whole sensor is told to its order of magnitude, or not at all.
+  // The variance has two parts. The first is the noise of all good micro-images, whose model has at
+  // most ten numbers. The second is the scatter between regions, each of which counts once (Liang
+  // and Zeger 1986, Biometrika 73, 13). An error common to the whole sensor is known by its order
+  // of magnitude at best.
   const Eigen::MatrixXd inverse = matrix.inverse();
   const auto all = static_cast<double>(lattice.good);
   const double variance = lattice.rms * lattice.rms * all / (2 * all - 10);
   const Eigen::MatrixXd covariance = variance * (static_cast<double>(used.size()) / all) * inverse +
                                      inverse * pulls * pulls.transpose() * inverse;
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
-  // However many centres there are, the middle of a soft disc differs from the ray through the
-  // middle of the stop by some thousandths of a pixel, more at the edge.
+  // The middle of a soft disc differs from the ray through the middle of the stop by some
+  // thousandths of a pixel. It is largest at the edge, and more centres do not help.
   constexpr double kTrueCentres = 0.006;  // [pixel] in the corners
   fit.pitch_error =
       std::hypot(error(0), array.pitch * kTrueCentres / (0.5 * std::hypot(width, height)));

@@ -305,8 +305,7 @@ class BoardFinder {
         }
         points_.push_back(point);
       }
-    // Most points are seen as often as the others; where two edges only seem to cross, hardly
-    // twice.
+    // Most points are seen equally often; false crossings of two edges are seen about once.
     std::vector<std::size_t> counts;
     for (const Point& point : points_) counts.push_back(point.marks.size());
     const auto half = counts.begin() + static_cast<std::ptrdiff_t>(counts.size() / 2);
@@ -448,7 +447,7 @@ class BoardFinder {
       const int columns = box.right - box.left + 1, rows = box.bottom - box.top + 1;
       if (quarter == 0) widest = columns, highest = rows;
       if (columns > board_.columns || rows > board_.rows) continue;
-      // New first axis: the old one turned by so many quarters.
+      // New first axis: the old one turned by this number of quarters.
       const double angle = turn_ + 0.5 * std::numbers::pi * quarter;
       double worth = std::cos(angle);
       // The first corner of a whole checkerboard has its bright squares along (1, 1).
@@ -482,9 +481,8 @@ class BoardFinder {
                   best_box.bottom - best_box.top + 1 == board_.rows;
   }
 
-  /// The measure by which the bright squares lie along (1, 1) of axes of which the first has this
-  /// angle on the plane; -1 to 1. Angles in pixels are those in the camera's x and y, up to half a
-  /// turn.
+  /// Tells how well bright squares lie along (1, 1) of two axes on the plane: -1 to 1. `angle` is
+  /// that of the first axis. Angles in pixels are those in the camera's x and y, up to half a turn.
   double bright_along(const Point& point, double angle) const {
     const Vec3 axis = std::cos(angle) * right_ + std::sin(angle) * down_;
     const double along = std::atan2(axis.y, axis.x) + 0.25 * std::numbers::pi;

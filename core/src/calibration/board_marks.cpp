@@ -8,8 +8,8 @@
 namespace plenoflame {
 namespace {
 
-/// [pixel] deviations of the Gaussian before marks are looked for: dots are to become one hill
-/// each.
+/// [pixel] standard deviations of the Gaussian filter before the search for marks. Each dot should
+/// become one hill.
 constexpr double kSmoothing = 1.0, kDotSmoothing = 2.5;
 constexpr double kRim = 1.5;             ///< [pixel] at the edge of a micro-image that say nothing
 constexpr double kLeastContrast = 0.08;  ///< of a mark's step, in units of the light about it

@@ -9,15 +9,16 @@
 namespace plenoflame {
 namespace {
 
-/// Points of a board, as both cameras have them.
+/// Points of a board, in the frames of both cameras.
 using PointPairs = std::vector<std::array<Eigen::Vector3d, 2>>;
 
 Eigen::Vector3d eigen(Vec3 v) {
   return {v.x, v.y, v.z};
 }
 
-/// The rotation and translation that take the second points closest to the first ones (Arun, Huang
-/// and Blostein, IEEE PAMI 9 (1987) 698). @param without a board that is left out; -1: none
+/// The rotation and translation that bring the second points closest to the first ones (Arun, Huang
+/// and Blostein, IEEE PAMI 9 (1987) 698).
+/// @param without a board that is left out; -1: none
 RigidTransform closest(const std::vector<PointPairs>& boards, int without) {
   Eigen::Vector3d middle[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double count = 0;

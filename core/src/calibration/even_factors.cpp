@@ -17,7 +17,7 @@ double middle_ratio(std::vector<float> values) {
   return static_cast<double>(*middle);
 }
 
-/// A picture that was taken for another kind has dark pixels everywhere.
+/// A picture of the wrong kind has dark pixels everywhere.
 void check_dark_share(const EvenFactors& even, bool white) {
   constexpr double kMost = 0.05;
   const auto dark = std::count_if(even.factors.begin(), even.factors.end(),
@@ -73,7 +73,7 @@ EvenFactors even_factors(
     const auto [light, variance] = light_of(i);
     likeness[colour_of(i)].add(light, wanted);
     if (wanted < kLeastLight * brightest) continue;
-    // A pixel that saw next to nothing where light was to be has no factor.
+    // A pixel that saw almost no light where light was expected has no factor.
     if (!(light > 5 * std::sqrt(variance))) {
       even.factors[i] = -1;
       continue;

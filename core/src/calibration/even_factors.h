@@ -15,9 +15,9 @@ inline constexpr double kRoundingVariance = 1.0 / 12;
 
 /// The factors that a white picture or a flat field gives each pixel.
 struct EvenFactors {
-  /// By which a pixel's light is multiplied: expected over measured light, with the median 1 in
-  /// each colour. 0: nothing is known of the pixel; below 0: it saw next to nothing where light was
-  /// to be (dirt, or an edge that the model places elsewhere).
+  /// Factor on a pixel's light: expected over measured light, with the median 1 in each colour. 0:
+  /// the pixel is unknown. Below 0: it saw almost no light where light was expected (dirt, or an
+  /// edge that the model places elsewhere).
   std::vector<float> factors;
   std::vector<float> relative_variance;  ///< of the factors
 };
@@ -28,8 +28,8 @@ struct EvenFactors {
 /// @param colour_of  the colour of a pixel, below `colours`
 /// @param light_of   light of a pixel in `measured` [counts above dark, as of a linear sensor], and
 ///                   its variance
-/// @throws InputError for a picture that cannot be what it is taken for: more than 5 % of its
-/// pixels are too dark, or it does not vary as expected
+/// @throws InputError for a picture of another kind of scene: more than 5 % of its pixels are too
+///         dark, or it does not vary as expected
 EvenFactors even_factors(
     const CountFrames& measured, const Image* expected, std::size_t colours,
     const std::function<std::size_t(std::size_t pixel)>& colour_of,

@@ -63,7 +63,7 @@ const FreeValue kFreeValues[]{
      ValueGroup::distortion},
 };
 
-/// The values that are searched for where nothing else is said.
+/// The values that are fitted by default.
 std::vector<const FreeValue*> usual_values(bool with_centres) {
   std::vector<const FreeValue*> values;
   for (const FreeValue& value : kFreeValues)

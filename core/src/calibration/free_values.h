@@ -10,10 +10,10 @@ namespace plenoflame {
 enum class ValueGroup {
   optics,     ///< corners
   array,      ///< centres of micro-images
-  distortion  ///< corners; searched for where it is asked for
+  distortion  ///< corners; searched only on request
 };
 
-/// A value of the camera that can be searched for.
+/// A value of the camera that can be fitted.
 struct FreeValue {
   const char* key;
   double& (*of)(CameraSpec& camera);
@@ -25,9 +25,9 @@ struct FreeValue {
 /// True for the plane of which the image is distorted but sharp.
 bool is_plane(const FreeValue* value);
 
-/// The values that are searched for, in the order of the settings.
+/// The fitted values, in the order of the settings.
 /// @param with_centres there are centres of micro-images
-/// @throws InputError for a name that none has
+/// @throws InputError for an unknown name
 std::vector<const FreeValue*> chosen_values(const GeometrySettings& settings, bool with_centres);
 
 }  // namespace plenoflame

@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kMostTurns = 5;
 
-/// @throws InputError where what was seen lies neither on the sensor nor within a micro-image of
-/// it, whose edge may cut off the part where the centre or, with noise, a corner is
+/// @throws InputError for an observation outside of the sensor by more than a micro-image. The edge
+///         may cut off the part of a micro-image that holds its centre or, with noise, a corner
 void check_on_sensor(const CameraSpec& camera, const std::string& what, Vec2 pixel) {
   const SensorSpec& sensor = camera.sensor;
   const Vec2 margin{camera.array.pitch / sensor.pixel().x, camera.array.pitch / sensor.pixel().y};
@@ -32,8 +32,8 @@ void check_on_sensor(const CameraSpec& camera, const std::string& what, Vec2 pix
                   what, pixel.x, pixel.y, sensor.columns, sensor.rows));
 }
 
-/// @param free what was searched for @param rms_of_start with the poses alone
-/// @throws InputError where lengths ran away, or the camera to start with explains more
+/// @param free the fitted values @param rms_of_start with the poses alone
+/// @throws InputError where lengths ran away, or the start camera explains more
 void check_plausible(const CameraSpec& start, const std::vector<const FreeValue*>& free,
                      double rms_of_start, const GeometryCalibration& found) {
   constexpr double kMost = 2;  // times, or a half: values to start with are those of a data sheet
@@ -167,7 +167,7 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
     spec.lens.distortion.distance = GeometryFit::plane_in_focus(camera);
   GeometryObservations seen{corners, centres, {}};
   if (!settings.radii.empty()) seen.radii = radii_slope(settings.radii, settings.f_number);
-  // Without distortion nothing tells of its plane: that comes last.
+  // Without distortion its plane has no effect, so the plane is fitted last.
   std::vector<const FreeValue*> found = free;
   if (finds_plane) found.erase(found.begin() + (plane - free.begin()));
   GeometryFit fit(spec, seen);

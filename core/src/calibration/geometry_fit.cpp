@@ -19,9 +19,10 @@ constexpr double kLooseConverged = 0.03;        ///< relative change of such a d
 constexpr double kMeanOutwards = 1e-4;          ///< by which the sum over types may differ from 0
 constexpr Eigen::Index kUnknownsOfCorner = 10;  ///< 6 of the pose, outwards, 3 of the point
 
-/// The plane of which the image is distorted but sharp is searched for where it would be known to
-/// this part of its distance. Distortion that is noise tells it to a half at best; and where it
-/// stays as it is, so much of it changes the picture by no more than the noise of all corners.
+/// The fit searches for the distance of the plane whose image is distorted but sharp. The distance
+/// is accepted if its relative error is below this value. Noise that looks like distortion
+/// determines it to one half at best. Holding a distance of this error changes the picture by no
+/// more than the noise of all corners.
 constexpr double kKnownPlane = 0.1;
 
 Mat3 turned_by(const Mat3& rotation, Vec3 w) {
@@ -509,7 +510,7 @@ void GeometryFit::add_known() {
     cost_ += loose.weight * loose.value * loose.value;
   }
   if (!seen_->radii) {
-    // A common displacement outwards cannot be told from a longer sensor distance.
+    // A common displacement outwards is equivalent to a longer sensor distance.
     if (looseness_.outwards == 0) return;
     const auto count = static_cast<Eigen::Index>(outwards_.size());
     const double weight = noise2_ / (kMeanOutwards * kMeanOutwards);

@@ -39,9 +39,9 @@ class GeometryFit {
   /// @param free the camera's values that change @return count of steps
   int solve(const std::vector<const FreeValue*>& free, const Execution& execution);
 
-  /// A board far away looks the same when it is tilted the other way (Schweighofer and Pinz, IEEE
-  /// PAMI 28 (2006) 2024): each pose becomes the other one where that leaves less.
-  /// @return whether one did
+  /// A distant board looks the same when it is tilted the other way (Schweighofer and Pinz, IEEE
+  /// PAMI 28 (2006) 2024). A pose is turned over if this leaves smaller residuals.
+  /// @return whether one was turned over
   bool turn_poses_over(const Execution& execution);
 
   /// Finds these loose values and their standard deviation. They remain zero if noise explains

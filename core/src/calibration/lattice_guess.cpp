@@ -183,8 +183,8 @@ void find_origin(const Image& white, const Autocorrelation& correlation, Lattice
   const double determinant = guess.step_i.x * guess.step_j.y - guess.step_i.y * guess.step_j.x;
   const Vec2 middle{correlation.left() + 0.5 * correlation.side(),
                     correlation.top() + 0.5 * correlation.side()};
-  // The steps are known to a hundredth of a pixel: a part of the picture is folded, in which that
-  // adds up to less than a tenth of a step.
+  // The steps are known to a hundredth of a pixel. Only a part of the picture is folded, in which
+  // this error adds up to less than a tenth of a step.
   const int half = static_cast<int>(std::min(0.5 * correlation.side(), 10 * guess.pitch()));
   for (int y = static_cast<int>(middle.y) - half; y < static_cast<int>(middle.y) + half; ++y)
     for (int x = static_cast<int>(middle.x) - half; x < static_cast<int>(middle.x) + half; ++x) {

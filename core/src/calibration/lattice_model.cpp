@@ -112,7 +112,7 @@ void fit_lattice_model(std::vector<MicroImageFit>& images, bool distorted, Latti
       Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
       for (const MicroImageFit& image : images)
         if (image.good) add_equations(model, image, distorted, matrix, right);
-      // Few micro-images do not tell a perspective: it stays where it is.
+      // Few micro-images do not determine a perspective: it stays unchanged.
       for (int a = 0; a < count; ++a) matrix(a, a) *= 1 + 1e-12;
       Numbers numbers = numbers_of(model, distorted);
       const Eigen::VectorXd change = matrix.ldlt().solve(right);

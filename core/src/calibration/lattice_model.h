@@ -3,8 +3,8 @@
 
 namespace plenoflame {
 
-/// Fits the model to the good micro-images' measured centres, and takes those out of `good` that
-/// are off by more than five times the middle of all. Distortion only where `distorted`.
+/// Fits the model to the measured centres of good micro-images. Outliers, by more than five times
+/// the median, lose their `good`. Distortion is fitted only if `distorted`.
 /// @param model in: start; out: the fit
 void fit_lattice_model(std::vector<MicroImageFit>& images, bool distorted, LatticeModel& model);
 

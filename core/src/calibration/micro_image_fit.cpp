@@ -20,9 +20,9 @@ struct CellPixel {
   double x = 0, y = 0, value = 0;
 };
 
-/// Adds the disc of parameters p, moved by `step`, at a pixel. The edge of a large disc that is
-/// blurred by a small one of radius b: the share of a disc on one side of a chord at t b from its
-/// middle, 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
+/// Adds the disc of parameters p, moved by `step`, at a pixel. The edge of a large disc is blurred
+/// by a small one of radius b. The value is the share of a disc on one side of a chord. With the
+/// chord at t b from the middle it is 1/2 + (t sqrt(1 - t^2) + asin t) / pi.
 double add_disc(const Vector& p, Vec2 step, const CellPixel& pixel, Vector& slope) {
   const double x = pixel.x - p[0], y = pixel.y - p[1];
   const double dx = x - step.x, dy = y - step.y;
@@ -87,9 +87,9 @@ double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<
   return sum;
 }
 
-/// Radius of the even disc with the second moment of the light, the pixels' own taken away. The
-/// background is the picture's: a disc that is blurred by half of itself differs from the model,
-/// and the fitted background with it.
+/// Radius of the uniform disc with the second moment of the light, without the pixels' own moment.
+/// The background is the picture's. A disc that is blurred by half of its radius differs from the
+/// model, so the fitted background would be wrong.
 double even_radius(const std::vector<CellPixel>& pixels, double background) {
   double light = 0, x = 0, y = 0, square = 0;
   for (const CellPixel& pixel : pixels) {
@@ -164,7 +164,7 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
     steps.push_back(n);
     steps.push_back(-1.0 * n);
   }
-  // If micro-images touch, hardly a pixel tells the background: it is pulled to 0.
+  // If micro-images touch, few pixels determine the background: it is pulled to 0.
   const double pull = 0.01 * static_cast<double>(pixels.size());
   const auto misfit = [&](const Vector& at, Square& matrix, Vector& gradient) {
     const double sum = normal_equations(pixels, steps, at, matrix, gradient);
@@ -207,8 +207,8 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   fit.even_radius = even_radius(pixels, cell.background);
   fit.light = p[4];
   fit.rms = std::sqrt(sum / static_cast<double>(pixels.size())) / std::max(p[4], 1e-300);
-  // A blob that ran out of its cell, that hardly stands out, or looks like anything but a disc, is
-  // no micro-image.
+  // A blob that ran out of its cell, has little contrast, or does not look like a disc is no
+  // micro-image.
   fit.good = std::hypot(p[0], p[1]) < 0.4 * cell.reach && p[4] > 0 &&
              brightest - darkest > 0.2 * p[4] && fit.rms < 0.25 && std::isfinite(sum);
   return fit;

@@ -3,8 +3,8 @@
 
 namespace plenoflame {
 
-/// Neighbours of a lattice point, as the guess has them: cells are what lies nearer to it than to
-/// these.
+/// Neighbours of a lattice point in the guess. The cell holds the places that are nearer to the
+/// point than to these.
 struct LatticeCell {
   std::vector<Vec2> neighbours;  ///< [pixel] half of all: the others are opposite
   double reach = 0;              ///< [pixel] to the corners of a cell

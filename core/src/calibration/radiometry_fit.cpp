@@ -166,7 +166,7 @@ LineFit fit_line(const std::vector<PictureSums>& sums, const std::vector<double>
   return fit;
 }
 
-/// True if counts differ enough to tell a curvature.
+/// True if counts differ enough to determine a curvature.
 bool spans(const std::vector<PictureSums>& sums) {
   if (sums.size() < 3) return false;
   double low = 1e300, high = 0;

@@ -158,7 +158,7 @@ class Importer {
   Signal signal_of(std::size_t channel) {
     Signal signal{Image(raw_.width, raw_.height), Image(raw_.width, raw_.height), Image()};
     const SensorResponse& sensor = settings_.response;
-    // In electrons the dark signal is told in a number, as develop does; of watts it is taken away.
+    // For electrons a number states the dark signal, as in develop; from watts it is subtracted.
     const double dark_signal =
         corrections_.dark == nullptr && settings_.unit != ImportUnit::electrons && sensor.gain > 0
             ? sensor.dark_current * sensor.exposure_time / sensor.gain

@@ -45,7 +45,7 @@ double middle_of(std::vector<double> values) {
   return *middle;
 }
 
-/// The lattice as the neighbours of the centre that is nearest to the middle of all have it.
+/// The lattice from the neighbours of the centre that is nearest to the middle of all.
 LatticeGuess guess_of_centres(const std::vector<Vec2>& centres, int width, int height) {
   if (centres.size() < 12) throw InputError("a lattice takes 12 centres or more");
   Vec2 mean;
@@ -380,8 +380,7 @@ WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int
 std::vector<TypeLooks> looks_at(const Image& white, const WhiteLattice& lattice,
                                 const Execution& execution) {
   const LatticeCell cell(lattice.guess, white);
-  // The stop's image is smaller or larger: its size in the middle of the picture is asked for
-  // first.
+  // The stop's image is smaller or larger, so its size in the middle of the picture is found first.
   const double radius = find_lattice(white).radius;
   std::vector<MicroImageFit> images = lattice.images;
   const bool done = parallel_for(execution, images.size(), [&](std::size_t k, int) {

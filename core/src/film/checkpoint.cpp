@@ -98,7 +98,7 @@ FileError damaged_state(const std::string& path) {
   return FileError(path + ": is damaged; start the run again without it");
 }
 
-/// Numbers of samples that a run can have, or ask for.
+/// Numbers of samples that a run can have or request.
 bool are_counts(const std::vector<double>& samples) {
   constexpr double kMost = 1 << 30;
   return std::all_of(samples.begin(), samples.end(),
@@ -109,7 +109,7 @@ Film read_film(Reader& reader, const std::string& path) {
   std::array<std::int32_t, 6> shape{};
   for (auto& value : shape) value = reader.number<std::int32_t>();
   const auto sum = reader.number<std::uint64_t>();
-  // A damaged shape must not ask for memory that the file cannot fill.
+  // A damaged shape must not allocate memory that the file cannot fill.
   constexpr std::int32_t kMost = 1 << 24;
   const bool is_empty =
       std::all_of(shape.begin(), shape.end(), [](auto value) { return value == 0; });

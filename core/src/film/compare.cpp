@@ -43,8 +43,8 @@ double normal_score(double sum, double n) {
   return (std::cbrt(sum / n) - (1.0 - variance)) / std::sqrt(variance);
 }
 
-/// Degrees of freedom of the standard errors: those of the image with the fewest randomisations;
-/// infinite where none says how many it had.
+/// Degrees of freedom of the standard errors, of the image with the fewest replicates. Infinite if
+/// no image has their number.
 double fewest_freedom(const LightField& a, bool a_counts, const LightField& b, bool b_counts) {
   double freedom = std::numeric_limits<double>::infinity();
   const auto take = [&](const LightField& field, bool counts) {
@@ -74,10 +74,10 @@ double mean_variance(const SensorImage& error, const PixelWindow& window) {
   return sum / window.width / window.height;
 }
 
-/// Tells which pixels are lit. A mean of both images chooses them, in which each has the weight of
-/// the other's variance, the same in all pixels: the noise of this mean is not correlated with that
-/// of the difference (E[(v_b e_a + v_a e_b)(e_a - e_b)] = v_b v_a - v_a v_b = 0). A choice by one
-/// image alone takes pixels in which that one is too bright and leaves out those in which it is too
+/// Tells which pixels are lit. A weighted mean of both images selects them; each image has the
+/// weight of the other's variance, the same in all pixels. The noise of this mean is not correlated
+/// with that of the difference: E[(v_b e_a + v_a e_b)(e_a - e_b)] = v_b v_a - v_a v_b = 0. One
+/// image alone would select pixels in which it is too bright and skip those in which it is too
 /// dark.
 class LitChoice {
  public:
@@ -108,10 +108,10 @@ class LitChoice {
 };
 
 /// Tells whether differences are alike among the pixels of a block. If they are independent, and 0
-/// in the mean, the square of their sum has the sum of their squares as its mean, and its variance
-/// is known as well, however large and however distributed each of them is. That holds for sums
-/// over blocks with weights that do not depend on the differences, but not for ratios: errors that
-/// are large to one side make large both what is divided and what it is divided by.
+/// in the mean, the square of their sum has the sum of their squares as its mean. Its variance is
+/// known as well, for differences of any size and distribution. This holds for sums over blocks
+/// with weights that do not depend on the differences. It does not hold for ratios: large errors of
+/// one sign increase both numerator and denominator.
 class BlockTest {
  public:
   struct Pixel {

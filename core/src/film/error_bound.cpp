@@ -66,8 +66,8 @@ double effective_pixels(double squares, double fourth, double eighth, double pix
   const double estimate =
       std::clamp(squares * squares * (freedom + 2) / (freedom * fourth) - 2 / freedom, 1.0,
                  std::min(kMost, pixels));
-  // Squared standard error of sum v^2 over its square, as its terms show it, less the same for
-  // pixels alike with normal errors (moments of chi^2).
+  // Squared relative standard error of sum v^2, estimated from its terms. The same for equal pixels
+  // with normal errors (moments of chi^2) is subtracted.
   const double alike = (freedom + 4) * (freedom + 6) / (freedom * (freedom + 2) * pixels);
   const double scatter = std::max(0.0, eighth / (fourth * fourth) - alike);
   const double errors = 1 + 3 / freedom;  // by trial

@@ -22,7 +22,7 @@ std::vector<Result> of_parts(const ImageParts& parts, const Execution& execution
   return results;
 }
 
-/// Sums go on side by side: one alone would wait for each of its additions.
+/// Independent partial sums: a single sum would wait for each of its additions.
 constexpr std::size_t kLanes = 8;
 using Lanes = std::array<double, kLanes>;
 
@@ -132,9 +132,9 @@ StatedError stated_error(const Image& flux, const Image& standard_error, int rep
   stated.relative_rmse = std::sqrt(sums.squares * sums.pixels) / sums.total;
   if (std::isnan(sums.squares)) stated.bound = std::numeric_limits<double>::infinity();
   if (!(sums.squares > 0)) return stated;
-  // For normal errors of variances v_i the sums of (image - truth)^2 and of the squared standard
-  // errors are both like v times chi^2 / n with n = (sum v)^2 / sum v^2 and n (R - 1) degrees of
-  // freedom (Welch-Satterthwaite).
+  // Let the errors of variances v_i be normal. The sums of (image - truth)^2 and of the squared
+  // standard errors are then both distributed as v chi^2 / n. Here n is (sum v)^2 / sum v^2, with n
+  // (R - 1) degrees of freedom (Welch-Satterthwaite).
   const double r = replicates;
   const double freedom =
       effective_pixels(sums.squares, sums.fourth, sums.eighth, sums.pixels, r - 1);

@@ -8,15 +8,15 @@
 
 namespace plenoflame {
 
-/// Windows of a picture, from its top left corner, which are summed one by one, so that sums do not
+/// Windows of a picture, from its top left corner. They are summed one by one, so that sums do not
 /// depend on the number of threads.
 using ImageParts = std::vector<PixelWindow>;
 
 /// Parts that are all of a picture.
 ImageParts whole_of(const Image& image);
 
-/// Calls `take` with the first pixel of runs within the part and the one behind their last: all
-/// pixels of the part that are not 0 are in them.
+/// Calls `take` with the first pixel of a run and the one after its last, for runs within the part.
+/// The runs hold all pixels of the part that are not 0.
 template <class Take>
 void for_lit_runs(const Image& image, const PixelWindow& part, const Take& take) {
   for (int row = part.y; row < part.y + part.height; ++row) {

@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-inline constexpr std::size_t kRun = 256;  ///< pixels that are looked at together
+inline constexpr std::size_t kRun = 256;  ///< pixels that are tested together
 
 /// Tells whether any of some pixels is not 0.
 inline bool any_lit(const float* pixels, std::size_t count) {

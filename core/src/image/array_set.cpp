@@ -33,8 +33,8 @@ class Hdf5Id {
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints what went wrong by itself, unless told not to. When the program ends it closes again
-/// what could not be closed, a file on a full disk, and faults on it: nothing is left open here.
+/// Keeps HDF5 from printing its errors. Also keeps it from closing files again at the program's
+/// end: with a file on a full disk this would crash. No file is left open here.
 void keep_quiet() {
   H5dont_atexit();
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);

@@ -38,8 +38,9 @@ class ExrInput : public Imf::IStream {
   void clear() override { std::clearerr(file_.get()); }
   std::uint64_t size() const { return size_; }
 
-  /// Checks, from the start of the file, that this is a scan-line EXR whose header's attributes fit
-  /// into the file, so that OpenEXR does not allocate what a damaged length asks for. Rewinds.
+  /// Checks from the start of the file that this is a scan-line EXR whose header's attributes fit
+  /// into the file. OpenEXR would otherwise allocate the size that a damaged length states.
+  /// Rewinds.
   /// @throws FileError (not an EXR, damaged), InputError (tiled, deep or multi-part)
   void check_header();
 

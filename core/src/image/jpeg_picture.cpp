@@ -30,7 +30,7 @@ struct Decoder {
   std::longjmp(decoder->back, 1);
 }
 
-/// A warning of libjpeg is damage: it would go on with grey for what is missing.
+/// A warning of libjpeg means damage: it would fill missing parts with grey.
 void on_jpeg_message(j_common_ptr jpeg, int level) {
   if (level < 0) on_jpeg_error(jpeg);
 }

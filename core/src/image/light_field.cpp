@@ -244,7 +244,7 @@ class Attributes {
     return header_.findTypedAttribute<Attribute>(joined(kPrefix, key));
   }
   [[noreturn]] void fail(const std::string& key) const {
-    // If some are there, another program has written the file anew and dropped the rest.
+    // If some are present, another program has rewritten the file and dropped the rest.
     bool some = false;
     for (auto entry = header_.begin(); entry != header_.end(); ++entry)
       some = some || std::string_view(entry.name()).starts_with(kPrefix);
@@ -342,7 +342,7 @@ struct Wanted {
   Layers layers = Layers::all;
 };
 
-/// Gives every image that the file holds, and that is wanted, its memory.
+/// Allocates every requested image that the file holds.
 void allocate_images(const std::string& path, const Imf::Header& header, std::uint64_t file_size,
                      const Wanted& wanted, LightField& light_field) {
   const PixelWindow& window = light_field.window;

@@ -214,7 +214,7 @@ PngImage read_png(const std::string& path) {
   };
   ReadHeader header;
   if (!read_header(reader.png, reader.info, stream.get(), header)) damaged(failure.message);
-  // Deflate packs at most 1032 to 1: a larger claim is not worth the memory.
+  // Deflate packs at most 1032 to 1: a larger claim is damage.
   const std::uint64_t bytes = std::uint64_t{header.width} * header.height *
                               static_cast<std::uint64_t>(header.stored_bits) / 8;
   if (bytes / 1032 > file_size) damaged("too short for its size");

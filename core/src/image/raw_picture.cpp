@@ -25,8 +25,7 @@ RawPicture picture_of_png(const std::string& path) {
   picture.height = png.height;
   picture.channels = png.channels;
   picture.bits = png.bits;
-  // 8 bits that are marked as sRGB were made to be looked at; 16 bits without a mark are a
-  // camera's.
+  // 8 bits with the mark sRGB are a picture for display; 16 bits without a mark are a camera's.
   picture.display_curve = png.transfer == Transfer::srgb && png.bits == 8;
   picture.samples = std::move(png.samples);
   if (png.significant_bits > 0 && png.significant_bits < png.bits) {

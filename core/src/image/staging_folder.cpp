@@ -159,7 +159,7 @@ void StagingFolder::remove_abandoned(const std::string& folder) {
   }
   for (const fs::path& path : found) {
     const int lock = open_folder(path.c_str());
-    // A process that lives holds the lock; where the file system has no locks nobody can tell.
+    // A living process holds the lock; on a file system without locks nothing is removed.
     if (lock >= 0 && flock(lock, LOCK_EX | LOCK_NB) == 0 && is_at(lock, path.c_str()))
       fs::remove_all(path, error);
     if (lock >= 0) close(lock);

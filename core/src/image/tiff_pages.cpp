@@ -69,8 +69,8 @@ int drop_warning(TIFF*, void*, const char*, const char*, va_list) {
   return 1;  // harmless oddities of other writers
 }
 
-/// Takes numbers of `bits` bits out of a row of bytes, the highest bit first; those of 16 bits are
-/// in the machine's order, as libtiff hands them out.
+/// Takes numbers of `bits` bits out of a row of bytes, the highest bit first. Numbers of 16 bits
+/// are in the machine's order, as libtiff returns them.
 void unpack_row(const unsigned char* row, int bits, std::size_t count, std::uint16_t* out) {
   if (bits == 16) {
     std::memcpy(out, row, 2 * count);

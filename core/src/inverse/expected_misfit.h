@@ -4,8 +4,8 @@
 
 namespace plenoflame {
 
-/// The misfit that noise leaves: two standard deviations of chi^2 itself more than the number of
-/// rows, without which chance may ask for next to no penalty.
+/// The misfit that noise explains: the number of rows plus two standard deviations of chi^2.
+/// Without this margin, chance may lead to almost no penalty.
 inline double expected_misfit(double rows) {
   return rows * (1 + 2 * std::sqrt(2 / rows));
 }

@@ -12,7 +12,8 @@
 namespace plenoflame {
 namespace {
 
-/// Randomisations whose scatter tells the error of a pixel by itself: to sqrt(1 / 30) = 18 %.
+/// With this number of replicates their scatter alone gives the error of a pixel, to sqrt(1 / 30) =
+/// 18 %.
 constexpr double kManyReplicates = 16;
 
 void check_belongs(const LightField& picture, const Scene& scene, const std::string& what) {
@@ -52,8 +53,8 @@ double to_watt(const LightField& picture, const Scene& scene, std::size_t channe
   return 1 / (time * electrons_per_joule(scene.camera.sensor, response->centroid()));
 }
 
-/// True if each pixel's variance holds the number of its electrons: not where a frame was developed
-/// without shot noise, nor where pixels are means of others.
+/// True if each pixel's variance contains the number of its electrons. False for frames developed
+/// without shot noise, and for pixels that are means of others.
 bool has_shot_noise(const LightFieldChannel& electrons, double full) {
   constexpr double kRounding = 0.999;  // of a square of a float
   bool seen = false;
@@ -98,7 +99,7 @@ class LeftOut {
 /// other as a later calibration has found it.
 bool is_almost_at(const CameraSpec& a, const CameraSpec& b) {
   constexpr double kAlmost = 0.02;  // of a distance, or [rad]
-  constexpr double kUnknown = 1;    // [m] for the distance of what is looked at, where none is said
+  constexpr double kUnknown = 1;    // [m] for an unknown distance of the object
   const auto is_close = [](double x, double y) {
     return x == y || std::fabs(x - y) <= kAlmost * std::fabs(y);
   };

@@ -97,8 +97,8 @@ class ScoreTests {
   /// faults of a camera.
   static constexpr double kLeastChange = 0.01;
 
-  /// Part of the strength with which the flame follows a change. With all of it, the part of the
-  /// flame that smoothing takes away looks like a camera that is displaced.
+  /// Factor on the strength with which the flame follows a change. With the full strength, the part
+  /// of the flame that smoothing removes looks like a displaced camera.
   static constexpr double kFreer = 0.01;
 
   /// The light of the rows that change.

@@ -22,13 +22,14 @@ struct TestedModel {
   std::span<const Suspect> corrected;
 };
 
-/// Tests what the pictures say of the absorption, and of exposure, stray light, place, turn and
-/// focus of each camera. The flame is free to follow (docs/theory/reconstruction.md). Quantities
-/// that explain the misfit are named, one after the other, until no other is significant. Exposures
-/// are told by several cameras only. Cameras that are compiled are not displaced, nor are those
-/// that cannot be.
-/// @param accuracy of one solution for each quantity @param execution whose progress goes from 0 to
-/// 1 @throws Cancelled
+/// Tests the absorption, and exposure, stray light, place, rotation and focus of each camera
+/// against the pictures. The flame is free to follow (docs/theory/reconstruction.md). Quantities
+/// that explain the misfit are named, one after the other, until no other is significant. Only
+/// several cameras determine exposures. Compiled cameras are not displaced, nor are others that
+/// cannot be.
+/// @param accuracy of one solution for each quantity
+/// @param execution whose progress goes from 0 to 1
+/// @throws Cancelled
 std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
                                 const ProbeAccuracy& accuracy, const Execution& execution);
 

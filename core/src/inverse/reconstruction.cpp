@@ -42,11 +42,11 @@ constexpr int kTrials = 12;
 constexpr double kGuessStrength = 1e-5;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
-/// Time of the whole over that of the first guess, within a factor of 2, and the least that is
-/// told.
+/// Time of the whole over that of the first guess, within a factor of 2. The second value is the
+/// shortest reported time.
 constexpr double kTimesGuess = 100, kLongRun = 60;
 
-/// Reports the steps of the work, which parts of the whole they are, and asks for the stop.
+/// Reports the steps of the work as shares of the whole, and checks for a stop.
 class Watch {
  public:
   Watch(const Execution& execution, double rows,
@@ -55,8 +55,8 @@ class Watch {
         inner_(without_reports(execution)),
         rows_(rows),
         watch_(std::move(watch)) {}
-  /// The next solutions, about so many of them, lead up to this share of the whole. Most end before
-  /// their last iteration: each begins where the one before was to end.
+  /// The next `count` solutions advance the progress to this share of the whole. Most end before
+  /// their last iteration: each begins at the share where the previous one would have ended.
   SolverOptions watched(SolverOptions options, const ScaledProblem& problem, double to, int count,
                         bool choosing) {
     const int iterations = options.iterations;
@@ -88,8 +88,8 @@ class Watch {
   std::function<void(const ReconstructionState&)> watch_;
 };
 
-/// Unknowns of whose light a good part would go, in some view, to pixels that are dark: all of what
-/// such pixels see is dark, as nothing is negative.
+/// Marks unknowns that would send a large part of their light to dark pixels in some view. All
+/// unknowns that a dark pixel sees are dark, because none is negative.
 std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
                               const MeasuredRows& measured, std::size_t views) {
   std::vector<char> empty(a.columns(), 0);
@@ -133,8 +133,8 @@ void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRa
   if (!parallel_for(quiet, pieces.count(), task)) throw Cancelled();
 }
 
-/// The end of every solution: those of trial strengths, the one that is handed out and those of
-/// noise draws alike, whose misfits and deviations are to be those of the same problem.
+/// When solutions end. Trial strengths, the result and noise draws share this criterion, so that
+/// misfits and deviations belong to the same problem.
 SolverOptions solver_options(const ReconstructionSettings& settings, double rows) {
   SolverOptions options;
   options.iterations = settings.iterations;
@@ -186,9 +186,8 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
                                        const std::vector<double>& guess,
                                        const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
-  // Flames that are more than twice as bright as this one are no prior. Cross-validation asks for
-  // such where errors of the model, which neighbouring pixels share, pass for what the flame
-  // explains.
+  // Flames more than twice as bright as this one are no prior. Cross-validation prefers them if the
+  // flame seems to explain errors of the model that neighbouring pixels share.
   constexpr double kMostTimesBrighter = 2;
   constexpr double kMostNegative = 0.1;
   StrengthRange range = kLinearRange;
@@ -208,7 +207,7 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   // As bright as the flame is where the search has to end.
   const bool as_bright = choice.strength <= range.lowest && range.lowest > kLinearRange.lowest;
   result.strength_at_end = choice.at_end && !as_bright;
-  // The solution goes on from there, often with nothing left to do.
+  // The solution continues from there, often without further iterations.
   for (const SolverStep& step : choice.solution.history)
     result.history.push_back(step.misfit / rows);
   for (const StrengthPoint& point : choice.curve)
@@ -233,7 +232,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
     watch.reached(to);
   }
-  // The pictures themselves tell how far they are from the model.
+  // The pictures themselves determine their deviation from the model.
   const double free = free_chi_squared(result.chi_squared * rows, rows, result.resolved_unknowns);
   result.noise_factor = std::sqrt(free);
   if (settings.draws < 1) return;
@@ -248,9 +247,9 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     // Only places with light bend: the amplitude that the strength tells in the mean of all is
     // theirs, and larger.
     double strength = share_of_lit(result.at_places, result.solved) * result.strength;
-    // One camera sees how fine the structure is, and not how much light is at which depth; two
-    // cameras tell it only in part. Rings look the same to every camera. The prior has to allow a
-    // flame as bright as the one that was found.
+    // One camera sees how fine the structure is, but not the depth of the light; two cameras see
+    // the depth only in part. Rings look the same to every camera. The prior has to allow a flame
+    // as bright as the reconstructed one.
     if (input.views.size() <= 2 || input.unknowns->begins_at_centre())
       strength = std::min(
           strength, strength_of_brightness(problem, input.prior, result.values, watch.inner()));
@@ -492,7 +491,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       result.strength = settings.strength;
     else
       reached = start = choose_strength_of(*weighted, b, guess, input, watch, result);
-    // Projected gradients are slow with a strong penalty, and hardly begin from nothing.
+    // Projected gradients are slow with a strong penalty, and make little progress from 0.
     if (settings.solver == ReconstructionSolver::fista && start.empty())
       start = weighted->without_bounds(b, result.strength, watch.inner());
     const SolverOptions last =

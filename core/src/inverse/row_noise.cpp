@@ -9,13 +9,13 @@
 namespace plenoflame {
 namespace {
 
-/// [W] The light of a row by which its rays err. The row itself is no measure of it: where few rays
-/// meet the flame, chance makes dim rows of rows with light, whose errors would then be those of
-/// dim ones and their weights thousands of times too large. Row and measured flux together tell it,
-/// each by its variance: the mean is free of what both differ by. Of rows that are above it, whose
-/// few rays carry much, it is halfway. That was chosen by experiment
-/// (docs/theory/reconstruction.md): without it rows of few rays count too much, and all of the
-/// excess makes bright rows count too little.
+/// [W] The light of a row that determines the error of its rays. The row alone is a poor measure.
+/// If few rays meet the flame, some bright rows look dim by chance. Their errors would be those of
+/// dim rows, and their weights thousands of times too large. The light is the mean of row and
+/// measured flux, each weighted by the other's variance, which makes it uncorrelated with their
+/// difference. If the row exceeds this mean, half of the excess is added. The factor of one half
+/// was found by experiment (docs/theory/reconstruction.md). Without it rows of few rays count too
+/// much; with all of the excess bright rows count too little.
 double light_of_row(double row, double flux, double variance, const RayError& rays) {
   double light = std::max(row, flux);
   constexpr int kSteps = 3;  // the error depends on the light

@@ -6,7 +6,7 @@
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/inverse/reconstruction.h"
 
-/// The part of a result that is told of rows, whatever their model is.
+/// The part of a result that concerns rows, for any model.
 namespace plenoflame {
 
 /// Counts the rows that have no weight. @throws InputError where there is no other
@@ -15,12 +15,14 @@ void count_left_out(std::span<const double> weights, Reconstruction& result);
 /// Tells whether the solver or the form wants the stored matrix.
 bool must_be_stored(const ReconstructionSettings& settings);
 
-/// Tells whether a matrix of so many bytes is stored. @param at_least it may take more
-/// @throws InputError where it must be stored, and may not take so much
+/// Tells whether a matrix of this size [byte] is stored. @param at_least it may take more
+/// @throws InputError if it must be stored and exceeds the allowed memory
 bool is_stored(const ReconstructionSettings& settings, double matrix_bytes, bool at_least = false);
 
-/// Adds one picture for each view of what is explained and of what is not, at the first pixel of
-/// each row. @param flux, explained [W] of the rows @param weights 0: the row is left out
+/// Adds two pictures for each view, the explained and the unexplained light, at the first pixel of
+/// each row.
+/// @param flux, explained [W] of the rows
+/// @param weights 0: the row is left out
 void add_row_pictures(const std::vector<Measurement>& measurements, const CameraRays& rays,
                       std::span<const double> flux, std::span<const double> explained,
                       std::span<const double> weights, Reconstruction& result);

@@ -28,7 +28,7 @@ constexpr char kReady = 'y';  ///< to rank 0
 constexpr char kDraw = 'd';   ///< from rank 0: piece, number of the view, its window, box, settings
 constexpr char kRows = 'm';   ///< from rank 0: piece, rays of some rows
 constexpr char kModel = 'l';  ///< from rank 0: what rows are, and the absorption
-constexpr char kPiece = 'p';  ///< to rank 0: piece, and what was asked for
+constexpr char kPiece = 'p';  ///< to rank 0: piece and its results
 constexpr char kEnds = 'u';   ///< from rank 0
 
 constexpr auto kPause = 1ms;
@@ -183,7 +183,7 @@ bool SharedAssembly::take(const Work& work) {
 }
 
 void SharedAssembly::share(const Work& work, const Execution& execution) {
-  std::atomic<std::size_t> next = 0;  // the first piece that nobody has
+  std::atomic<std::size_t> next = 0;  // the first piece that no rank has
   std::exception_ptr failure;
   std::atomic<bool> ends = false;
   const auto out = [&] { return std::accumulate(out_.begin(), out_.end(), 0); };

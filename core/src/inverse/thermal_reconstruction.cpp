@@ -31,17 +31,18 @@ namespace {
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
 constexpr StrengthRange kRange{1e-8, 10, 3, 2, 200};
-/// Strengths are tried on linearisations about solutions of so many steps, the first ones with this
-/// strength.
+/// Strengths are compared on linearisations about solutions of kTrialSteps steps; the first steps
+/// use kFirstStrength.
 constexpr int kLinearisations = 3, kTrialSteps = 4;
-/// A linearisation tells of strengths that many times weaker or stronger than the one of its own.
+/// A linearisation is valid for strengths weaker or stronger than its own by up to this factor.
 constexpr double kTrusted = 10;
 constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
 constexpr double kTrialAccuracy = 1e-5;
-/// Times that a Markov chain is wider than the linearised problem. Its steps tell less by chance.
+/// Width of the Markov chain over that of the linearised problem, above which deviations are
+/// enlarged. Smaller ratios may be chance.
 constexpr double kWider = 1.2;
 constexpr int kLeastSteps = 10;
-/// Share of steps that are taken below which the chain tells no width.
+/// A chain with a smaller share of accepted steps does not determine a width.
 constexpr double kLeastAccepted = 0.2;
 
 /// A model's derivative with regard to scaled variables, stored where memory suffices.
@@ -425,7 +426,7 @@ class ThermalSolver {
     if (!figures.complete) return;  // a derivative would follow all rays again, several times
     try {
       const auto derivative = derivative_at(x_);
-      // Hotter means brighter for whatever a pixel sees.
+      // Hotter means brighter for every pixel.
       const std::vector<double> brighter = transposed_times(*derivative, explained);
       figures.unseen = 0;
       for (std::size_t j = 0; j < n; ++j) figures.unseen += brighter[j] == 0 && figures.solved[j];
@@ -536,8 +537,8 @@ class ThermalSolver {
   struct Fluxes {
     std::vector<double> x, fluxes;
   };
-  /// The fluxes of the last variables that were tried, and of the last that were taken: after a
-  /// stop the picture of what was reached is known.
+  /// The fluxes of the last evaluated variables, and of the last accepted ones: after a stop they
+  /// give the picture of the result.
   mutable Fluxes last_, taken_;
   double unit_ = 1, rows_ = 0, strength_ = 0;
   BlockPenalty penalty_;

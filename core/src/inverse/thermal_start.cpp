@@ -140,7 +140,7 @@ ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& set
   ThermalStart start;
   const std::size_t n = input.unknowns->size();
   if (!input.start_temperature.empty() && !settings.linear.support && !settings.linear.ray_noise) {
-    // Nothing is wanted of a linear reconstruction.
+    // No linear reconstruction is needed.
     start.temperature = input.start_temperature;
     start.absorption = input.start_absorption;
     start.solved = input.support.empty() ? std::vector<char>(n, 1) : input.support;

@@ -17,8 +17,8 @@ struct ThermalStart {
   /// The first linear reconstruction's; negative and empty: there was none.
   double strength = -1;
   std::vector<double> light_outside = {};
-  /// Pictures of the first channels, as far as they were looked at: per view, at the first pixel
-  /// of each row.
+  /// Pictures of the first channels, as far as they were reconstructed: per view, at the first
+  /// pixel of each row.
   std::vector<std::vector<Image>> explained = {};
   Reconstruction reached = {};  ///< where a stop came before the end of the linear reconstructions
   bool complete = true;

@@ -10,8 +10,8 @@
 namespace plenoflame {
 namespace {
 
-/// Numbers for each variable that are there whatever the solver: scales, what is known, start,
-/// values and what is told of them.
+/// Numbers for each variable with any solver: scales, known values, start, values and their
+/// statistics.
 constexpr double kCommon = 20;
 /// Solutions that are kept while a strength is chosen: those of its range, and four between them.
 constexpr double kMostStrengths = kLinearRange.points + 4;

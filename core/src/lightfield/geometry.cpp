@@ -118,8 +118,8 @@ double ViewGeometry::disparity(double z, double offset) const {
 ViewGeometry fit_view_geometry(const MicroImages& micro_images, double lens_step) {
   const Camera& camera = micro_images.camera();
   const double pixel = camera.spec().sensor.pixel_pitch;
-  // Line = m * lens centre + o * offset, for position and slope alike: four numbers by least
-  // squares over microlenses and offsets within the paraxial half of the field.
+  // Line = m * lens centre + o * offset, for position and slope alike. The four numbers are fitted
+  // by least squares over microlenses and offsets within the paraxial half of the field.
   const double half_width = 0.25 * camera.spec().sensor.size().x;
   const double half_height = 0.25 * camera.spec().sensor.size().y;
   const auto lenses =

@@ -4,8 +4,8 @@
 
 namespace plenoflame {
 
-/// One square table of white light: the pixel at (x, y) looks at (x0 + xx x + xy y,
-/// y0 + yx x + yy y) in the table's steps.
+/// One square table of white light. The pixel at (x, y) reads the table at (x0 + xx x + xy y, y0 +
+/// yx x + yy y), in the table's steps.
 struct KernelWhitePart {
   const float* table;  ///< side x side values
   float weight;

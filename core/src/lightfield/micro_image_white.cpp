@@ -13,12 +13,12 @@
 namespace plenoflame {
 namespace {
 
-/// Points along the side of a square where white light is traced: more where a micro-image has few
-/// pixels, so that one on its rim counts.
+/// Points along the side of a square where white light is traced. Micro-images of few pixels need
+/// more, because each pixel on the rim counts.
 constexpr int kTraced = 41, kTracedFine = 65;
 constexpr double kFewPixels = 20;  ///< along the side of that square
-/// Angles of the pixels' sides for which there are tables, over the 90 degrees after which a square
-/// is itself again, or the 180 degrees of a rectangle.
+/// Number of pixel angles for which there are tables. They cover the 90 degrees after which a
+/// square repeats, or the 180 degrees of a rectangle.
 constexpr int kSquareAngles = 5, kRectangleAngles = 9;
 double angle_step(int angles) {
   return angles == kSquareAngles ? 0.5 * constants::pi / kSquareAngles
@@ -27,13 +27,13 @@ double angle_step(int angles) {
 
 constexpr double kGoldenAngle = 2.399963229728653;  ///< pi (3 - sqrt 5)
 
-/// Light that a point of the sensor gets through one microlens from a scene of radiance 1: the
-/// integral of gap^2 / d^4 over the part of the aperture whose rays get through the camera.
+/// Light of a sensor point through one microlens from a scene of radiance 1. It is the integral of
+/// gap^2 / d^4 over the part of the aperture whose rays get through the camera.
 ///
-/// That part is where discs meet (the microlens' own, the stop's image, rims of the main lens), and
-/// so convex: in polar coordinates about a point within it, its boundary is a function of the
-/// angle, found by bisection, and the integral over the angle of a periodic function converges
-/// fast. Rays are needed for the boundary only.
+/// This part is convex, because it is the intersection of discs (the microlens' own, the stop's
+/// image, rims of the main lens). Its boundary in polar coordinates about a point within it is a
+/// function of the angle, found by bisection. The integral over the angle has a periodic integrand
+/// and converges fast. Only the boundary needs rays.
 class ApertureLight {
  public:
   explicit ApertureLight(const Camera& camera)
@@ -121,8 +121,8 @@ class ApertureLight {
 /// Means of a square table, interpolated by Catmull and Rom's cubic and 0 outside, over rectangles
 /// around the points of a finer one.
 ///
-/// A mean is a sum over the table with weights that depend on where the point lies between the
-/// table's own, and the points of the finer one do so in few ways.
+/// A mean is a sum over the table with weights that depend on the point's position between the
+/// table's points. The points of the finer table have few different positions.
 class BoxMeans {
  public:
   /// @param table as seen through a mirror the same (last row first)

@@ -43,7 +43,7 @@ double sum(const std::array<double, kTerms>& a, const std::array<double, kTerms>
   return total;
 }
 
-/// Array and sensor stand where those of the camera do, whatever the lens.
+/// Puts array and sensor at the camera's places, for any lens.
 CameraSpec in_place(CameraSpec spec, const Camera& camera) {
   spec.focus.mode = FocusMode::distance;
   spec.focus.lens_distance = camera.lens_distance();
@@ -69,8 +69,8 @@ CameraSpec single_type(const Camera& camera, std::size_t type) {
   return in_place(std::move(spec), camera);
 }
 
-/// The same with wider apertures of the main lens, so that the rays at the rim of the stop get
-/// through: the fit then needs no extrapolation.
+/// The same with wider apertures of the main lens. Rays at the rim of the stop then get through,
+/// and the fit needs no extrapolation.
 CameraSpec opened(CameraSpec spec) {
   spec.lens.diameter *= 1.1;
   for (SurfaceSpec& surface : spec.lens.surfaces) {
@@ -151,7 +151,8 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
 }
 
 /// The lines of the chief rays of a micro-image, in the frame of the main lens, along and across
-/// `outwards`. @param aim the middle of the microlens @return none where too little gets through
+/// `outwards`.
+/// @param aim the middle of the microlens @return none where too little gets through
 std::optional<MicroImages::Lines> MicroImages::fit_lines(const Camera& open, LensIndex lens,
                                                          Vec2 aim, Vec2 centre, double radius,
                                                          Vec2 outwards) {
@@ -369,7 +370,8 @@ Ray MicroImages::ToPlane::ray_at(Vec2 sensor_point) const {
   const Vec3 a = pose_.point(line.origin), b = pose_.point(line.origin + line.direction);
   const Ray straight{a, b - a};
   if (!windows_) return straight;
-  // From the plane of the front vertex on, stretch by stretch; what ends at a window goes on.
+  // From the plane of the front vertex on, stretch by stretch; rays that end at a window continue
+  // behind it.
   const Vec3 front = a + (-a.z / (b.z - a.z)) * (b - a);
   WindowPath path;
   windows_->trace({to_world_.point(front), to_world_.direction(normalize(b - a))}, path);

@@ -15,7 +15,7 @@ namespace {
 constexpr int kRim = 16;              ///< points around the place of a pixel on the stop
 constexpr int kRings = 40;            ///< of aim points in a microlens
 constexpr double kNeighbours = 1e-3;  ///< of a pixel's light may come through them
-/// Factor of the blur: how much more it may be away from the axis, where it is not looked at.
+/// Factor on the blur for places away from the axis, where it is not traced.
 constexpr double kRoom = 1.1;
 
 double stop_radius_of(const Camera& camera) {
@@ -37,7 +37,7 @@ int part_of(const PupilFilters& filters, Vec2 at, double blur) {
 }
 
 /// The point where the ray from a sensor point through the middle of a microlens crosses the stop,
-/// in its radii: affine about the middle of the micro-image, which the outermost rays fix.
+/// in its radii. It is affine about the middle of the micro-image and fitted to the outermost rays.
 struct StopOfLens {
   Vec2 middle, along_x, along_y;  ///< of the sensor point's way from there, over its radius
 

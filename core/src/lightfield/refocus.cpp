@@ -45,9 +45,9 @@ Target target_of(const MicroImages& micro, const std::vector<MicroImages::Place>
   return target;
 }
 
-/// A micro-image's map from sensor to plane as polynomials of degree 5 of the place in it, in radii
-/// from its middle along the sensor's columns and rows. Exact for the tables' polynomials of the
-/// same degree, turned as they are.
+/// A micro-image's map from sensor to plane as polynomials of degree 5 of the place in it. Places
+/// are in radii from its middle along the sensor's columns and rows. The result is exact for the
+/// tables' polynomials of the same degree, rotated.
 class PlanePolynomials {
  public:
   static constexpr int kDegree = 5;
@@ -165,8 +165,8 @@ void add_micro_image(const PlaneJob& job, const MicroImages::Place& place, doubl
   task.y = pixels.y.data();
   task.scale_x = static_cast<float>(sensor.pixel().x / radius);
   task.scale_y = static_cast<float>(sensor.pixel().y / radius);
-  // Light that came through neighbours cannot be told apart: the pixel counts as much as its own
-  // share of it, as though the scene were the same there.
+  // Light that came through neighbours cannot be separated. The pixel counts with the share of its
+  // own light, as if the scene were the same there.
   task.weight = static_cast<float>(weight);
   task.flux = scratch.flux.data();
   task.own = pixels.own.data();
@@ -342,8 +342,9 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
     powers.push_back(box_mean(power, sums.width, sums.height));
     stack.planes.push_back(picture_of(plane, depth));
   }
-  // Over the square of the mean: light that is spread thin out of focus must not count as even. A
-  // place that is dark in some plane is even there, whatever the little light's variance is.
+  // Division by the square of the mean: light that is spread thinly out of focus must not count as
+  // equal. A place that is dark in some plane counts as equal there, for any variance of its little
+  // light.
   double brightest = 0;
   for (const std::vector<double>& power : powers)
     brightest = std::max(brightest, *std::max_element(power.begin(), power.end()));

@@ -9,7 +9,7 @@ namespace plenoflame {
 /// Light and white light, in pixels of a refocused picture.
 struct RefocusSums {
   int width = 0, height = 0;
-  std::vector<double> light, white, square;  ///< square: of the radiance; empty: not wanted
+  std::vector<double> light, white, square;  ///< square: of the radiance; empty: not requested
   RefocusSums(int w, int h, bool with_square = false)
       : width(w),
         height(h),
@@ -22,8 +22,8 @@ struct RefocusSums {
   }
 };
 
-/// Contribution of a part of the micro-images: rows of the picture that it meets, with a pixel
-/// more on each side, so that spreading a sample asks for its place once.
+/// Contribution of a part of the micro-images. It holds the rows of the picture that this part
+/// meets, with a margin of one pixel, so that a sample needs one address only.
 class RefocusBand {
  public:
   RefocusBand(int width, int height, bool with_square)
@@ -52,8 +52,8 @@ class RefocusBand {
   std::vector<Row> rows_;  ///< empty: not met; the first is that above the picture
 };
 
-/// Gives pixels that met nothing what their surroundings have: a level of half the size, filled in
-/// the same way, counts with a weight that never shows where there are samples.
+/// Fills pixels without samples from their surroundings. A level of half the size, filled in the
+/// same way, counts with a weight too small to show where there are samples.
 void fill_gaps(RefocusSums& sums);
 
 }  // namespace plenoflame

@@ -17,7 +17,8 @@ struct OutputGrid {
 OutputGrid output_grid(const MicroImages& micro, const ArraySpec& array, const PixelWindow& window);
 
 /// The lattice of the lenses of one type. With three types in a hexagonal array (type (q - r) mod
-/// 3) it is hexagonal again, turned by 30 degrees; otherwise lenses of other types are left out.
+/// 3) it is hexagonal again, turned by 30 degrees. In other arrays lenses of other types are left
+/// out.
 struct TypeLattice {
   ArraySpec array;
   bool coarse = false;

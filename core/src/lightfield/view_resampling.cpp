@@ -85,8 +85,8 @@ double LensSamples::along_row(int r, double x) const {
 }
 
 double LensSamples::paper_kernel(int r, double x, bool tenth) const {
-  // Row i - 1 of the picture, the one above, is row r + 1 of the array: camera y points down, but
-  // the image on the sensor stands upside down.
+  // Row i - 1 of the picture, the one above, is row r + 1 of the array. Camera y points down, but
+  // the image on the sensor is upside down.
   KnownMean mean;
   const double shift = tenth ? 0.5 : kCos30;
   const double side = tenth ? 0.25 : 0.5 * (1 - kCos30);

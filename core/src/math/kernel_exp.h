@@ -1,9 +1,9 @@
-// Exponentials and what emission and absorption need of them, for the vector kernels: branch-free
-// templates over float and double, compiled once per instruction set (see kernel_math.h).
+// Exponentials for emission and absorption in the vector kernels: branch-free templates over float
+// and double, compiled once per instruction set (see kernel_math.h).
 //
-// Reduction: x = n ln 2 + r, |r| <= (ln 2)/2 (Cody and Waite, Software Manual for the Elementary
-// Functions, 1980, chapter 6), with e^r - 1 = r + r^2 q(r) and q a Chebyshev fit. Then
-// e^x = 2^n + 2^n (e^r - 1) and e^x - 1 = (2^n - 1) + 2^n (e^r - 1): one reduction gives both, and
+// Reduction: x = n ln 2 + r, |r| <= (ln 2)/2. Source: Cody and Waite, Software Manual for the
+// Elementary Functions, 1980, chapter 6. With a Chebyshev fit q, e^r - 1 = r + r^2 q(r). Then e^x =
+// 2^n + 2^n (e^r - 1) and e^x - 1 = (2^n - 1) + 2^n (e^r - 1). One reduction gives both, and
 // neither cancels. NaN counts as "nothing": no exponential here returns NaN.
 #pragma once
 
@@ -72,7 +72,7 @@ PLENOFLAME_INLINE double power_minus_one(double f) {
   return r + r * r * quotient(r);
 }
 
-// So many make 2^-n what power_of_two() gives as 0.
+// At this number of halvings power_of_two() returns 0 for 2^-n.
 PLENOFLAME_INLINE float most_halvings(float) {
   return 127.0f;
 }
@@ -208,8 +208,8 @@ struct LinearTransfer {
 };
 
 /// All three are relatively accurate for every tau >= 0 (negative and NaN count as 0). The weights
-/// add up to the emissivity. near_weight is the emissivity less far_weight, at most half of it, so
-/// nothing cancels and one polynomial, below tau = 1.5, serves both.
+/// add up to the emissivity. near_weight is the emissivity less far_weight. The latter is at most
+/// half of it, so nothing cancels, and one polynomial below tau = 1.5 serves both.
 template <class Real>
 PLENOFLAME_INLINE LinearTransfer<Real> linear_transfer(Real tau) {
   const Real t = greatest(tau, Real(0));
@@ -220,10 +220,11 @@ PLENOFLAME_INLINE LinearTransfer<Real> linear_transfer(Real tau) {
   return {a.transmittance, far_weight, a.emissivity - far_weight};
 }
 
-/// One quadrature node of Planck's function, weight / (e^(exponent/T) - 1): as accurate as
-/// exponent/T allows, that is about (1 + exponent/T) ulp. No overflow or underflow on the way: the
+/// One quadrature node of Planck's function, weight / (e^(exponent/T) - 1). Its error is about (1 +
+/// exponent/T) ulp, the limit for this argument. There is no overflow or underflow on the way. The
 /// result is 0 only when it is below the smallest normal number, or T is not above 0 (or NaN).
-/// @param exponent hc/(lambda k) [K]  @param temperature [K]
+/// @param exponent hc/(lambda k) [K]
+/// @param temperature [K]
 template <class Real>
 PLENOFLAME_INLINE Real planck_term(Real exponent, Real weight, Real temperature) {
   const Real lowest = exp_detail::lowest_exponent(Real());

@@ -38,11 +38,11 @@ PLENOFLAME_INLINE T clamp(T x, T lo, T hi) {
   return least(greatest(x, lo), hi);
 }
 
-/// 1 / sqrt(x), x >= 0, and what comes of 0 is finite; to 2e-7 in single precision, where it does
-/// without the processor's divider, which is what loops over rays wait for: from half of the
-/// exponent and a line, to 3 % but for a factor, by two steps of Newton's kind. (The first one's
-/// numbers, with that factor: J. Kadlec 2010, 6.5e-4; the second one's are those of the series in
-/// 1 - x y^2, to its square.)
+/// 1 / sqrt(x), x >= 0, finite for 0. In single precision its error is 2e-7, without the
+/// processor's divider, which loops over rays would wait for. Half of the exponent and a line give
+/// the start, to 3 % except for a factor. Two steps of Newton's kind follow. The first has the
+/// numbers of J. Kadlec 2010 with that factor, to 6.5e-4. The second is the series in 1 - x y^2, up
+/// to its square.
 PLENOFLAME_INLINE float inverse_square_root(float x) {
   float y = __builtin_bit_cast(float, 0x5f1ffff9 - (__builtin_bit_cast(int, x) >> 1));
   y *= 1.6819139F - 0.70395225F * (x * y * y);

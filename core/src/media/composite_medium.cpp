@@ -251,8 +251,8 @@ void CompositeMedium::run(const RayBatch<Real>& rays, const MediumOptions& optio
   const double infinity = std::numeric_limits<double>::infinity();
   const double tolerance = std::is_same_v<Real, float> ? 1e-8 : 1e-12;
 
-  // Every medium alone, as vector code; then per ray whatever they make together. Rows are padded
-  // like the batch and aligned like its arrays.
+  // Every medium alone, as vector code; then per ray their combination. Rows are padded like the
+  // batch and aligned like its arrays.
   const std::size_t row = (size + 15) / 16 * 16;
   const bool grey = is_grey();
   const std::size_t passes = grey ? 1 : channels, rows = channels + passes;

@@ -39,7 +39,7 @@ struct LayeredTask {
   Real* scratch = nullptr;  ///< layered_scratch(layers) values, 64-byte aligned
 };
 
-/// Number of values of scratch memory for a medium of so many layers.
+/// Number of values of scratch memory for a medium with this number of layers.
 constexpr int layered_scratch(int layers) {
   return kLayeredBlock * (8 + 5 * layers + 4);
 }

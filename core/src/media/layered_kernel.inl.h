@@ -1,5 +1,5 @@
-// Radiance through homogeneous ellipsoids: plain loops over a block of rays per step, each with
-// many independent rays in flight; the vectoriser turns every one of them into vector code.
+// Radiance through homogeneous ellipsoids. Each step is a plain loop over a block of independent
+// rays, which the compiler turns into vector code.
 #include "math/kernel_exp.h"
 #include "media/layered_kernel.h"
 
@@ -17,7 +17,7 @@ struct LayeredScratch {
   Real* weight;  // layers arrays: transmittance in front times emissivity, summed over a layer
   Real* ends;    // 2 * layers arrays, sorted (overlapping layers only)
   Real *shift, *kappa, *winner;
-  Real* passed;  // transmittance of a channel that nobody asks for
+  Real* passed;  // transmittance of a channel that is not requested
 };
 
 template <class Real>
@@ -33,8 +33,8 @@ PLENOFLAME_INLINE LayeredScratch<Real> make_scratch(Real* p, int layers) {
   return s;
 }
 
-/// Into the local frame, each ray's point moved to where the ray passes the medium's origin, so
-/// that every later t is of the medium's size and keeps its digits.
+/// Transforms rays into the local frame. Each ray's point moves to where the ray passes the
+/// medium's origin, so every later t has the medium's size and keeps its digits.
 template <class Real>
 PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int count,
                                 const LayeredScratch<Real>& s) {
@@ -94,8 +94,8 @@ PLENOFLAME_INLINE void localise(const LayeredTask<Real>& task, int first, int co
 }
 
 /// The interval in which the rays are inside of one layer. In the space where the ellipsoid is the
-/// unit sphere, from the point q nearest to its centre: half chord sqrt((1 - q.q) / (v.v)), which
-/// loses no digits to the distance. A miss gives an empty interval.
+/// unit sphere, q is the ray's point nearest to the centre. Half the chord is sqrt((1 - q.q) /
+/// (v.v)), which loses no digits to the distance. A miss gives an empty interval.
 /// @param low, high what the interval is clamped to, if kClamped
 template <bool kClamped, class Real>
 PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int count,
@@ -121,7 +121,7 @@ PLENOFLAME_INLINE void intersect(const LayeredTask<Real>& task, int layer, int c
   }
 }
 
-/// Longest chord so far, to tell which rays meet anything.
+/// Longest chord so far, which tells the rays that meet any layer.
 template <class Real>
 PLENOFLAME_INLINE void lengthen(int count, const Real* __restrict entry,
                                 const Real* __restrict exit, Real* __restrict longest) {
@@ -137,8 +137,8 @@ PLENOFLAME_INLINE int count_positive(int count, const Real* __restrict values) {
   return positive;
 }
 
-/// One homogeneous interval [from, to] of a layer, behind what has been passed so far (nothing, if
-/// kFirst). What comes out of it is added to `weight`, or is it, if kNew.
+/// One homogeneous interval [from, to] of a layer, behind the intervals passed so far (none, if
+/// kFirst). Its emission is added to `weight`, or replaces it if kNew.
 template <bool kFirst, bool kNew, class Real>
 PLENOFLAME_INLINE void pass(int count, Real kappa, const Real* __restrict from,
                             const Real* __restrict to, Real* __restrict transmittance,
@@ -286,7 +286,7 @@ PLENOFLAME_INLINE void fill(Real* __restrict out, int count, Real value) {
   for (int i = 0; i < count; ++i) out[i] = value;
 }
 
-/// Intersects all layers. @return how many rays meet one; 0 before all have been looked at
+/// Intersects all layers. @return number of rays that meet one; 0 before all have been tested
 template <class Real>
 PLENOFLAME_INLINE int intersect_all(const LayeredTask<Real>& task, int count,
                                     const LayeredScratch<Real>& s) {

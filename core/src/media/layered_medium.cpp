@@ -14,13 +14,13 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kStackLayers = 8;  ///< scratch for so many layers fits on the stack
+constexpr int kStackLayers = 8;  ///< scratch for this number of layers fits on the stack
 
-/// Tells whether ellipsoid `inner` lies inside `outer`; both have their axes along x, y, z.
-/// The largest value over the inner surface of |outer^-1(p)|^2 = sum (e_i + r_i u_i)^2, |u| = 1,
-/// equals the least over s > max r_i^2 of the dual s + sum e_i^2 + sum (e_i r_i)^2 / (s - r_i^2)
-/// (the trust region problem; Stern and Wolkowicz, SIAM J. Optim. 5 (1995) 286). Every s bounds it
-/// from above, so "inside" is never claimed wrongly.
+/// Tells whether ellipsoid `inner` lies inside `outer`; both have their axes along x, y, z. The
+/// criterion is the largest value over the inner surface of |outer^-1(p)|^2 = sum (e_i + r_i
+/// u_i)^2, |u| = 1. It equals the minimum over s > max r_i^2 of the dual s + sum e_i^2 + sum (e_i
+/// r_i)^2 / (s - r_i^2) (trust region problem; Stern and Wolkowicz, SIAM J. Optim. 5 (1995) 286).
+/// Every s bounds it from above, so "inside" is never claimed wrongly.
 bool lies_inside(const EllipsoidLayer& inner, const EllipsoidLayer& outer) {
   const Vec3 d = inner.centre - outer.centre;
   const double e[3] = {d.x / outer.semi_axes.x, d.y / outer.semi_axes.y, d.z / outer.semi_axes.z};

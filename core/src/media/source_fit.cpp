@@ -9,8 +9,9 @@
 namespace plenoflame::voxel {
 namespace {
 
-// e^-80: beside `highest`, what is below does not count. What single precision could hold only as a
-// denormal number, which processors are slow with, does not either [W/(m^2 sr)].
+// Source functions below e^-80 of `highest` do not count. Values below kLeastSource [W/(m^2 sr)] do
+// not count either: single precision holds them as denormal numbers, with which processors are
+// slow.
 constexpr double kLargestFall = 80, kLeastSource = 1e-36;
 
 // Interpolates values f at points x by a polynomial, lowest power first (Newton's form, expanded).
@@ -27,8 +28,8 @@ std::vector<double> interpolate(const std::vector<double>& x, std::vector<double
   return out;
 }
 
-/// The polynomial p, highest power first, with log_of(v) = log_of(from) + (v - from) p(v - from);
-/// empty when it takes more terms, or terms that cancel so much that single precision suffers.
+/// The polynomial p, highest power first, with log_of(v) = log_of(from) + (v - from) p(v - from).
+/// Empty if it needs more terms, or if its terms cancel too much for single precision.
 /// @param tolerance relative to 1 - log_of(v)
 template <class LogOf>
 std::vector<double> fit_piece(const LogOf& log_of, double from, double to, double tolerance,

@@ -15,9 +15,9 @@ struct TransferResult {
 };
 
 /// Integrates dL/dt = -kappa L + j over [limits.front(), limits.back()], light travelling towards
-/// the front. Adaptive Gauss-Kronrod (7, 15) with bisection, front to back: the optical thickness
-/// in front of each node comes from integrating the interpolating polynomial of the absorption.
-/// Emission behind an optical thickness of 100 is left out (a factor of 4e-44).
+/// the front. Adaptive Gauss-Kronrod (7, 15) with bisection, front to back. The optical thickness
+/// in front of each node is the integral of the absorption's interpolating polynomial. Emission
+/// behind an optical thickness of 100 is left out (a factor of 4e-44).
 /// @param limits ascending; the coefficients are smooth between neighbours
 /// @param tolerance relative, per interval; emission has no sign, so it holds for the sum as well
 TransferResult integrate_transfer(const RayCoefficients& coefficients, int channels,

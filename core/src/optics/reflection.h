@@ -18,9 +18,9 @@ struct Coating {
 /// The layer between two media: it is there if one of them is air.
 Coating coating_of(const AntiReflection& layer, double before, double behind);
 
-/// Share of unpolarised light that passes, by Fresnel's formulas with complex amplitudes (Born and
-/// Wolf, Principles of Optics, 7th ed., 1.5.2 and 1.6.4). @param cos_in of the angle in the medium
-/// before; where light is reflected totally, 0
+/// Share of unpolarised light that passes, by Fresnel's formulas with complex amplitudes. Source:
+/// Born and Wolf, Principles of Optics, 7th ed., 1.5.2 and 1.6.4. 0 for total reflection.
+/// @param cos_in of the angle in the medium before
 double surface_transmission(const Coating& coating, double cos_in);
 
 /// Share that passes a plane plate in air: both faces once.

@@ -21,9 +21,9 @@ PLENOFLAME_INLINE Real cos_half_turns(Real x) {
   return Real(1) - Real(2) * sine * sine;
 }
 
-/// Share of unpolarised light that a surface lets through, with a single layer on it (Born and
-/// Wolf, Principles of Optics, 7th ed., 1.5.2 and 1.6.4, in real numbers); total reflection is not
-/// asked for. @param cos_in, cos_out of the angles before and behind
+/// Share of unpolarised light that a surface with a single layer transmits. Source: Born and Wolf,
+/// Principles of Optics, 7th ed., 1.5.2 and 1.6.4, in real numbers. Never called for total
+/// reflection. @param cos_in, cos_out of the angles before and behind
 template <class Real>
 PLENOFLAME_INLINE Real transmission(const KernelCoating<Real>& c, Real cos_in, Real cos_out) {
   const Real ratio = c.before / c.layer;

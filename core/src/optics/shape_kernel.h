@@ -1,6 +1,6 @@
-// Shapes of lens surfaces that are neither plane nor spherical, as the kernels see them: the
-// numbers of each, and the sag and its slopes at a place. Rays find such a surface by Newton's
-// method (surface_kernel.h). Coordinates are relative to the vertex, z along the propagation.
+// Shapes of lens surfaces other than planes and spheres, in the form of the kernels. A shape has
+// its numbers, and the sag and its slopes at a place. Rays find such a surface by Newton's method
+// (surface_kernel.h). Coordinates are relative to the vertex, z along the propagation.
 #pragma once
 #include "math/kernel_math.h"
 

@@ -11,11 +11,10 @@ namespace plenoflame::PLENOFLAME_ISA {
 /// Moves the ray from the previous reference plane (z = 0 there) to the surface and tests the
 /// aperture. Afterwards z is relative to this surface's vertex.
 ///
-/// Closest-approach form (Feder 1951; Welford, Aberrations of Optical Systems, 1986, ch. 4):
-/// from the vertex plane t = F / (G + sqrt(G^2 - c F)), which is exact for planes (c = 0) and keeps
-/// its digits for every radius.
-/// @param cos_in sqrt(G^2 - c F), which is the cosine of incidence; of no meaning where the sphere
-/// is missed
+/// Closest-approach form (Feder 1951; Welford, Aberrations of Optical Systems, 1986, ch. 4). From
+/// the vertex plane t = F / (G + sqrt(G^2 - c F)), which is exact for planes (c = 0) and keeps its
+/// digits for every radius.
+/// @param cos_in sqrt(G^2 - c F), the cosine of incidence; meaningless if the sphere is missed
 template <class Real>
 PLENOFLAME_INLINE void go_to_surface(const KernelSurface<Real>& surface, int code_base, Real& x,
                                      Real& y, Real& z, Real dx, Real dy, Real dz, Real& cos_in,
@@ -109,9 +108,9 @@ PLENOFLAME_INLINE void leave_shape(const KernelSurface<Real>& surface, const Sha
   code = code != 0 ? code : failure;
 }
 
-/// refract_at() for another shape than a sphere. The intersection is found by Newton's method along
-/// the ray from the vertex plane, with a fixed number of steps: the error squares with each, so
-/// that a surface whose slope at the ray is below one reaches the rounding of `double` in six.
+/// refract_at() for another shape than a sphere. Newton's method finds the intersection along the
+/// ray from the vertex plane, with a fixed number of steps. The error squares with each step. A
+/// surface whose slope at the ray is below one reaches the rounding of `double` in six steps.
 template <class Real>
 PLENOFLAME_INLINE void refract_at_shape(const KernelSurface<Real>& surface,
                                         const KernelShape<Real>& any_shape, int code_base, Real& x,

@@ -17,8 +17,9 @@ class WindowSet::Body {
     double t = 0;
     int face = kNoFace;  ///< kNoFace: none
   };
-  /// The first face that a ray meets at 0 < t < far. @param from face of this window on which the
-  /// ray starts, or kNoFace: its origin is not met again, however it was rounded
+  /// The first face that a ray meets at 0 < t < far.
+  /// @param from face of this window on which the ray starts, or kNoFace. The ray does not meet its
+  ///        origin again, however it was rounded
   Hit intersect(const Ray& world, int from, double far) const;
   /// Unit normal of a face, out of the glass, in the world.
   Vec3 normal(int face, Vec3 world) const;

@@ -15,7 +15,7 @@ namespace {
 
 using Node = SourceFunction::Node;
 
-// hc/k [m K] as an unevaluated sum of two doubles: at 250 nm and 200 K the exponent is 288, and the
+// hc/k [m K] as an unevaluated sum of two doubles. At 250 nm and 200 K the exponent is 288, and the
 // rounding of the constant alone would cost two digits.
 constexpr double kSecondRadiationHigh = 0.014387768775039339;
 constexpr double kSecondRadiationLow = -6.7359864468049583e-19;
@@ -119,8 +119,9 @@ SourceFunction SourceFunction::band(double wavelength, double width) {
 }
 
 SourceFunction SourceFunction::of(const SpectralResponse& response) {
-  // A rule that is exact for polynomials of the wavenumber under the weight R(s) s^3 needs few
-  // nodes: what is left, 1 / expm1(hc s/(kT)), is smooth. Its many points are the reference, too.
+  // The rule is exact for polynomials of the wavenumber under the weight R(s) s^3. It needs few
+  // nodes, because the remaining factor 1 / expm1(hc s/(kT)) is smooth. Its many points are the
+  // reference, too.
   const MeasurePoints points = wavenumber_points(response, 12);
   constexpr std::array<double, 11> temperatures{200,  300,  500, 900,   1600, 2800,
                                                 5000, 9000, 2e4, 4.5e4, 1e5};

@@ -120,8 +120,8 @@ std::vector<double> interpolatory_weights(const std::vector<double>& places,
   return weights;
 }
 
-/// A rule for the measure at some of the places, all of whose weights are positive: emission must
-/// not become negative, not even of gas whose spectrum the rule is not made for.
+/// A rule for the measure at some of the places, with positive weights only. Emission must not
+/// become negative, even for gas of another spectrum than the rule's.
 MeasurePoints positive_rule(std::vector<double> places, const MeasurePoints& measure) {
   for (;;) {
     std::vector<double> weights = interpolatory_weights(places, measure);
@@ -199,8 +199,8 @@ std::optional<SharedNodes> shared_nodes(const std::vector<SpectralResponse>& res
       error = std::max(error, worst_error(nodes_of(rules[c]), all[c], spectra));
     }
     if (error > kSpectralTolerance) continue;
-    // The one node that stands for the first channel (transmittance, optical thickness) is the one
-    // with the most of it.
+    // One node represents the first channel (transmittance, optical thickness): the one with its
+    // largest weight.
     const auto heaviest = std::max_element(rules[0].weights.begin(), rules[0].weights.end());
     const double first =
         rules[0].places[static_cast<std::size_t>(heaviest - rules[0].weights.begin())];

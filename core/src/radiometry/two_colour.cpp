@@ -21,7 +21,7 @@ TwoColour::TwoColour(const SpectralResponse& first, const SpectralResponse& seco
   const double middle = 2000;
   const double s = slope(middle);
   sign_ = s > 0 ? 1 : -1;
-  // Less than a hundredth of a nanometre apart: nothing but noise would be told apart.
+  // Less than a hundredth of a nanometre apart: the ratio would be noise.
   if (std::fabs(first.centroid() - second.centroid()) < 1e-11 || !(std::fabs(s) > 1e-9))
     throw InputError("two-colour pyrometry needs two channels of different wavelengths");
 }

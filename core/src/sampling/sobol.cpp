@@ -50,8 +50,8 @@ constexpr Directions make_directions() {
 
 constexpr Directions kDirections = make_directions();
 
-/// From a point to the next its index changes in the lowest bits, up to the one that becomes 1:
-/// what that changes in the fraction, by this bit's number.
+/// From one point to the next the index changes in its lowest bits, up to the one that becomes 1.
+/// The entry of this bit is the resulting change of the fraction.
 constexpr Directions make_steps() {
   Directions steps = kDirections;
   for (auto& dimension : steps)
@@ -61,8 +61,8 @@ constexpr Directions make_steps() {
 
 constexpr Directions kSteps = make_steps();
 constexpr int kPoolWords = 1 << 16;  // 256 kB: stays in a second-level cache
-// Some scrambles are better than others: with few of them in a picture its error varies from seed
-// to seed by more than its pixels say. As long as a pool takes no more than 16 MB:
+// Scrambles differ in quality. With few of them in a picture, its error varies from seed to seed by
+// more than its standard error. The number holds as long as a pool takes at most 16 MB:
 constexpr int kLeastEntries = 128, kMostWords = 1 << 22;
 
 int automatic_entries(int replicates, int points) {
@@ -86,8 +86,8 @@ namespace {
 
 /// Bits that one hash decides the flips of: 1 + 2 + 4 + ... + 32 nodes of the tree.
 constexpr int kLevels = 6;
-/// Below so many bits flips no longer differ from node to node, but still between prefixes: what is
-/// nested matters as far as points differ in it, that is up to 2^18 of them.
+/// Below this number of bits, flips differ between prefixes only, not between nodes. Nested flips
+/// matter only down to the bits in which points differ: this suffices for 2^18 points.
 constexpr int kNested = 3 * kLevels;
 
 /// The hash for the nodes below a prefix of `above` bits, led by a one so that prefixes of

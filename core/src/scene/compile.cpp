@@ -24,8 +24,8 @@ std::string flame_in_words(const Scene& scene, std::size_t index) {
   return "flame " + (name.empty() ? std::to_string(index) : "\"" + name + "\"");
 }
 
-/// A solid surface around the camera is a room where the flames are in it, too; otherwise it hides
-/// them, which is no picture that anybody wants.
+/// A solid surface around the camera must also hold the flames, like a room. Otherwise it hides
+/// them, which is an error; without flames it is a warning.
 void check_camera_outside(const CompiledScene& compiled, const PositionMap& positions,
                           const Execution& execution) {
   const Scene& scene = compiled.scene;
@@ -90,7 +90,7 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
   std::vector<SourceFunction> channels = all_channels;
   // The loader does this itself for a grid of albedos.
   if (const double albedo = flame.scattering.albedo; albedo > 0 && flame.scattering.grid.empty()) {
-    // Media know extinction: what is scattered is taken away, and not emitted.
+    // Media use extinction: scattered light is removed, and not emitted.
     const double extinction = 1 / (1 - albedo);
     for (EllipsoidSpec& layer : flame.layers) {
       layer.absorption *= extinction;
@@ -124,7 +124,7 @@ std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
 void check_place(const Scene& scene, std::size_t index, const Medium* medium,
                  const PositionMap& positions, const Execution& execution) {
   const FlameSpec& flame = scene.flames[index];
-  // The places of layers are known without loading them, and validate() has looked at them.
+  // The places of layers are known without loading them, and validate() has checked them.
   if (flame.kind == FlameKind::layered || !medium) return;
   const std::string key = "flames[" + std::to_string(index) + "].position";
   const std::string name = flame.name.empty() ? flame.file : flame.name;
@@ -154,7 +154,7 @@ void check_lights_in_smoke(const Scene& scene, std::size_t index, const Medium& 
   }
 }
 
-/// Places in smoke are found by steps as short as the largest extinction around them asks for.
+/// Steps in smoke are as short as the largest extinction around them requires.
 void warn_of_short_steps(const CompiledScene& compiled, const Execution& execution) {
   constexpr double kMany = 1e4;  // some 0.1 ms for every line that light takes
   if (compiled.scatterers.empty()) return;
@@ -260,8 +260,8 @@ std::shared_ptr<const SurfaceScene> compile_surfaces(const Scene& scene,
       });
 }
 
-/// Light starts and ends in air: no flame may reach into a window's glass. Where a flame's lattice
-/// is dark it may.
+/// Light starts and ends in air: no flame may reach into a window's glass. Only the dark parts of a
+/// flame's lattice may.
 void check_flames_beside_windows(const Scene& scene, const Media& flames,
                                  const PositionMap& positions) {
   if (scene.windows.empty()) return;
@@ -283,8 +283,8 @@ void check_flames_beside_windows(const Scene& scene, const Media& flames,
   }
 }
 
-/// Rays within the glass are straight from face to face: no solid surface may stand in their way.
-/// Looked for along lines through the wall and on to the next one.
+/// Rays within the glass are straight from face to face, so no solid surface may be in their way.
+/// The test uses lines through the wall and on to the next one.
 void check_surfaces_beside_windows(const CompiledScene& compiled, const PositionMap& positions) {
   if (!compiled.windows || !compiled.surfaces) return;
   constexpr double kRounding = 1e-6;  ///< of a line: a surface may lie on a face
@@ -338,7 +338,7 @@ std::shared_ptr<const Medium> all_of(const Media& flames, const EarlierScenes& e
   return make_composite_medium(flames);
 }
 
-/// Compiles the channels, or what stands for them, once camera and flames are there.
+/// Compiles the channels, or their wavelengths, after camera and flames.
 CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils,
                               Flames flames, const std::vector<SourceFunction>& sources,
                               const std::vector<SourceFunction>& emitters,

@@ -223,7 +223,7 @@ SpectralNodes nodes_behind(const Scene& scene, const std::string& pupil_filter,
       const ChannelNodes nodes =
           channel_nodes(response, spectra, dispersive ? channel.wavelengths : 1);
       all.error = std::max(all.error, nodes.error);
-      // The filter takes from light whose spectrum nobody gave what it takes from white light.
+      // Light of unknown spectrum loses the same share in the filter as white light.
       const std::optional<SpectralResponse> open = spectral_response(channel);
       add(response ? SourceFunction::of(*response) : SourceFunction::total(),
           with_lines(nodes.nodes, response), nodes.nodes.size(), c,
@@ -270,7 +270,7 @@ SpectralNodes spectral_nodes(const Scene& scene, const PositionMap& positions) {
   if (filters.empty()) return nodes_behind(scene, {}, numbers, positions);
   const std::vector<double> areas = filters.areas();
   const auto parts = static_cast<std::size_t>(filters.parts());
-  constexpr double kNothing = 1e-5;  // of the stop: what the raster cannot tell from it
+  constexpr double kNothing = 1e-5;  // of the stop: below the raster's resolution
   std::vector<SpectralNodes> of_part(parts);
   std::vector<std::vector<std::size_t>> seen(parts);
   SpectralNodes all;

@@ -38,7 +38,8 @@ void add_facet(Vec3 normal, const std::array<Vec3, 3>& corners, MeshFile& file) 
   file.normals.push_back(normal);
 }
 
-/// Binary files are told by the size that their header gives: their text may begin with "solid".
+/// Binary files are recognised by the size in their header, because their text may begin with
+/// "solid".
 bool is_binary(std::string_view bytes) {
   return bytes.size() >= kHeader + 4 &&
          bytes.size() == kHeader + 4 + kFacet * std::size_t{little_endian(bytes, kHeader)};

@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kSide = 0, kBase = 1, kTop = 2;  ///< of cylinders; cones have no top
 
-/// Roots of a t^2 + 2 b t + c = 0 in ascending order. Of the two formulas for a root the one
-/// without cancellation is used: Press et al., Numerical Recipes (1992), section 5.6.
+/// Roots of a t^2 + 2 b t + c = 0 in ascending order. The formula without cancellation is used
+/// (Press et al., Numerical Recipes (1992), section 5.6).
 /// @param discriminant b^2 - a c, computed as accurately as the caller can
 int solve(double a, double b, double c, double discriminant, double (&t)[2]) {
   if (!(discriminant >= 0)) return 0;

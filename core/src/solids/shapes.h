@@ -12,10 +12,9 @@ inline constexpr int kNoPart = -1;
 /// An analytic shape in its place. Intersections are those of the exact shape, computed in double
 /// precision in its own frame.
 ///
-/// A ray that starts on a part of the shape does not meet it again at its origin: of the roots of a
-/// curved part's equation the one nearest to t = 0 is the origin itself and is left out, a flat
-/// part cannot be met a second time. No distance has to be chosen for it, whatever the scene's
-/// size.
+/// A ray that starts on a part of the shape does not meet it again at its origin. A curved part has
+/// two roots; the one nearest to t = 0 is the origin itself and is left out. A flat part cannot be
+/// met a second time. This needs no minimum distance, whatever the scene's size.
 class Shape {
  public:
   /// @param spec of any kind but mesh, its sizes above 0

@@ -252,9 +252,9 @@ void EmbreeScene::add_mesh(unsigned id, const TriangleMesh& mesh) {
 void EmbreeScene::shape_bounds(const RTCBoundsFunctionArguments* args) {
   const auto& self = *static_cast<const EmbreeScene*>(args->geometryUserPtr);
   const Box box = self.at(self.shapes_[args->primID]).shape->bounds();
-  // Embree walks its tree with a ray whose origin, at most 1.5 radii from the centre, and
-  // direction, over 3 radii, are rounded to single precision: at most 5 radii * 2^-24 away from the
-  // ray that is meant. Twice that also covers the rounding of the box.
+  // Embree walks its tree with a ray in single precision. Its origin is at most 1.5 radii from the
+  // centre, and its direction is over 3 radii. Both are rounded, by at most 5 radii * 2^-24
+  // together. Twice this margin also covers the rounding of the box.
   const double margin = 10 * 0x1p-24 * self.radius_;
   const Vec3 low = box.lower - self.centre_, high = box.upper - self.centre_;
   RTCBounds& out = *args->bounds_o;

@@ -42,8 +42,8 @@ bool TriangleMesh::plane_crossing(std::uint32_t triangle, const Ray& ray, double
   if (towards == 0) return false;
   const double distance = dot(n, c[0] - ray.origin);
   // The origin lies on its own surface up to a few roundings of its coordinates, and this
-  // expression adds a few more: 8 units of 2^-53 of the largest term bound them (Higham, Accuracy
-  // and Stability of Numerical Algorithms, 2nd ed., section 3.1).
+  // expression adds a few more. They are at most 8 units of 2^-53 of the largest term (Higham,
+  // Accuracy and Stability of Numerical Algorithms, 2nd ed., section 3.1).
   const double bound = 8 * 0x1p-53 * taxicab(n) * (largest(c[0]) + largest(ray.origin));
   if (std::fabs(distance) <= bound) return false;
   t = distance / towards;

@@ -9,7 +9,7 @@
 namespace plenoflame {
 
 /// A mesh in its place. Vertices are kept in single precision relative to a centre, as Embree needs
-/// them; those rounded vertices are the surface, and everything about it is computed from them in
+/// them. The rounded vertices are the surface, and all its properties are computed from them in
 /// double precision.
 class TriangleMesh {
  public:

@@ -11,8 +11,8 @@ namespace {
 constexpr double kZeroCelsius = 273.15;
 constexpr int kSectionLines = 32;  // through a voxel's cross-section
 
-/// Share of the square of side 2 half around (x, y) inside of the circle, from exact lengths along
-/// lines in the direction that crosses the circle most steeply.
+/// Share of the square of side 2 half around (x, y) inside of the circle. It uses exact lengths
+/// along lines in the direction that crosses the circle most steeply.
 double disc_share(double x, double y, double radius, double half) {
   const double r = std::hypot(x, y);
   if (r <= radius - 1.4143 * half) return 1;

@@ -18,11 +18,11 @@ struct FlameFunctions {
   std::vector<std::pair<std::string, std::function<double(Vec3)>>> lines = {};
 };
 
-/// Samples the functions on one lattice of cubic voxels (sample (0, 0, 0) at the origin):
-/// absorption and lines where they are not 0, temperature in every brick within two voxels of such
-/// a sample.
-/// @throws InputError for a voxel size that is not positive, gives too many voxels, or is more than
-/// half of the flame's least extent; Cancelled.
+/// Samples the functions on one lattice of cubic voxels (sample (0, 0, 0) at the origin).
+/// Absorption and lines are stored where they are not 0, temperature in every brick within two
+/// voxels of such a sample.
+/// @throws InputError for a voxel size that is not positive, gives too many voxels, or exceeds half
+///         of the flame's least extent; Cancelled
 FlameFields sample_flame(const FlameFunctions& flame, const Box& bounds, double voxel_size,
                          const Execution& execution);
 

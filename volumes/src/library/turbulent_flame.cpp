@@ -31,7 +31,7 @@ std::uint64_t hash(std::uint64_t seed, int i, int j, int k) {
 }
 
 /// Four independent gradient noises (Perlin 2002: quintic blend, twelve edge directions), from one
-/// hash per lattice point; 0 on average, about within -1 and 1, with features of size 1.
+/// hash per lattice point. They are 0 on average, within about -1 and 1, with features of size 1.
 std::array<double, 4> noise(std::uint64_t seed, Vec3 p) {
   const double cell[3] = {std::floor(p.x), std::floor(p.y), std::floor(p.z)};
   const double f[3] = {p.x - cell[0], p.y - cell[1], p.z - cell[2]};

@@ -145,7 +145,7 @@ class BoardCornersRun {
         picture = corner_picture(light, found);
     }
     if (boards == 0) throw InputError("no picture shows the board; the first: " + without.front());
-    // The advice what to do about it is told once.
+    // The advice is printed once.
     for (std::size_t i = 0; i < without.size(); ++i)
       warn(i == 0 ? without[i] : without[i].substr(0, without[i].find("; ")));
     FileSet files;

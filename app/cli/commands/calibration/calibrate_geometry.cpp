@@ -156,9 +156,9 @@ std::string most_correlated(const GeometryCalibration& found) {
   return text;
 }
 
-/// The distance by which things stand aside by the deviation of a decentre that was searched for:
-/// it moves the camera's axis, and with it the world. 0: it was not searched for. @param z [m] from
-/// the lens
+/// Lateral shift of objects at z by the standard error of a fitted decentre. The decentre moves the
+/// camera's axis and the world with it. 0: no decentre was fitted.
+/// @param z [m] from the lens
 double aside(const GeometryCalibration& found, double z) {
   double most = 0;
   for (const CalibratedValue& value : found.values)
@@ -173,8 +173,8 @@ double mean_distance(const GeometryCalibration& found) {
   return sum / static_cast<double>(found.poses.size());
 }
 
-/// Values that the poses hardly tell: lengths to more than a twentieth, a decentre to more than a
-/// hundredth of the lens' distance, distortion to more than itself.
+/// Names the values that the poses determine poorly. Limits of the error: a twentieth of lengths, a
+/// hundredth of the lens' distance for a decentre, the value itself for distortion.
 std::string hardly_known(const GeometryCalibration& found) {
   constexpr double kLength = 0.05, kDecentre = 0.01;
   const double lens_distance = Camera(found.camera).lens_distance();

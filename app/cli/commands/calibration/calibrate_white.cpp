@@ -350,8 +350,8 @@ class WhiteRun {
     return looks_[aperture][type].radius + looks_[aperture][type].blur;
   }
 
-  /// @throws InputError where radii contradict the f-numbers: a wider stop makes larger
-  /// micro-images, and what is left at 1/N = 0 is a blur, which is not below 0
+  /// @throws InputError where radii contradict the f-numbers. A wider stop makes larger
+  ///         micro-images, and the radius at 1/N = 0 is a blur, which is not below 0
   void check_apertures(const std::vector<Aperture>& apertures) const {
     constexpr double kBelowZero = 0.1;  // of the radius: discs that are blurred are fitted smaller
     for (std::size_t t = 0; t < lattice_.types.size() && looks_.size() > 1; ++t) {
@@ -397,7 +397,7 @@ class WhiteRun {
       }
     report.add_json("looks", list);
     if (looks_.size() < 2) return;
-    // Radius of the whole disc against 1/N: the slope is the same for all, what is left at 1/N = 0
+    // Radius of the whole disc against 1/N: the slope is the same for all, the radius at 1/N = 0
     // is the type's own.
     nlohmann::json lines = nlohmann::json::array();
     for (std::size_t t = 0; t < lattice_.types.size(); ++t) {

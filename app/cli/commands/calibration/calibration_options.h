@@ -36,8 +36,7 @@ void add_shared_options(CLI::App& command, CalibrationArguments& arguments, Cali
 
 using CalibrationAction = std::function<int(const Execution& execution)>;
 
-/// The same, and what the command does: `action`, with the threads that were asked for, ended by
-/// signals.
+/// The same, and the command's `action` with the requested threads. Signals end it.
 void finish_calibration(CLI::App& command, const Registry& registry,
                         const std::shared_ptr<CalibrationArguments>& arguments,
                         CalibrationInput input, CalibrationAction action);

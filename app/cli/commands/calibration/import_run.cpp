@@ -29,7 +29,7 @@
 namespace plenoflame::cli {
 namespace {
 
-/// @param greatest in the dimension's SI unit, as the scene's key has it
+/// @param greatest in the dimension's SI unit, as in the scene's key
 double positive(const char* option, const std::string& text, Dimension dimension, double greatest) {
   const double value = quantity_option(option, text, dimension);
   if (!(value > 0 && value <= greatest))
@@ -339,7 +339,7 @@ class ImportRun {
     return field;
   }
 
-  /// Puts what is told of one channel's pictures to that of the others.
+  /// Adds the summary of one channel's pictures to the others'.
   void add(const ImportSummary& part) {
     ++pictures_;
     summary_.negative += part.negative;
@@ -370,7 +370,7 @@ class ImportRun {
     }
     const SensorSpec& sensor = document_.scene.camera.sensor;
     const PhotonTransfer& transfer = settings_.transfer;
-    // A gain that nobody states is told by the noise, where that is clear.
+    // Without a stated gain, the noise gives it if it is significant.
     if (fitted_ && arguments_.gain.empty() && !(sensor.gain > 0) &&
         transfer.slope > 10 * transfer.slope_error) {
       settings_.response.gain = 1 / transfer.slope;

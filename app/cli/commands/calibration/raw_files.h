@@ -25,8 +25,8 @@ struct RawFileOptions {
 
 void add_raw_file_options(CLI::App& command, RawFileOptions& options);
 
-/// Reads the frames of one series; pages of a TIFF and pictures that follow each other in a
-/// headerless file are frames, too. What is probably not meant is said as a warning.
+/// Reads the frames of one series; pages of a TIFF and consecutive pictures in a headerless file
+/// are frames, too. Probable mistakes give a warning.
 /// @param full counts from which on a pixel is saturated; 0: the largest number
 /// @throws FileError, InputError with the file's name
 CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,
@@ -41,7 +41,7 @@ double full_of(const RawFileOptions& options, const SensorSpec& sensor);
 void warn_of_full(const CountFrames& frames, const std::string& file, double full,
                   const SensorSpec& sensor);
 
-/// Light alone: dark taken away, colours of a picture added, those of a mosaic made alike.
+/// Light alone: dark subtracted, colours of a picture added, those of a mosaic made alike.
 /// @throws InputError where the dark frame has another size
 Image light_of(const CountFrames& frames, const std::optional<CountFrames>& dark,
                MosaicPattern mosaic);

@@ -6,8 +6,9 @@
 
 namespace plenoflame::cli {
 
-/// A colour picture: of the channels whose responses are cie_x, cie_y and cie_z, or else of the
-/// first three as red, green and blue. @param saturation of Y, or of each; 0: automatic
+/// A colour picture of the channels whose responses are cie_x, cie_y and cie_z. Without them, the
+/// first three channels are red, green and blue.
+/// @param saturation of Y, or of each; 0: automatic
 int develop_colour(const LightField& light_field, const Scene& scene, double saturation,
                    const std::string& output, bool json);
 

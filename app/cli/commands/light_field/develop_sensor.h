@@ -24,7 +24,7 @@ struct SensorOptions {
   }
 };
 
-/// Frames as the sensor would give them away: .png and .tif hold digital numbers of one channel
+/// Frames as the sensor would record them. Files .png and .tif hold digital numbers of one channel
 /// (or of the mosaic), .exr electrons of all channels.
 int develop_sensor(const SensorOptions& options, const LightField& light_field, const Scene& scene,
                    const std::string& channel, const std::string& input, const std::string& output,

@@ -24,8 +24,8 @@ struct TwoColourInput {
   const TwoColour& law;
 };
 
-/// The differences of temperatures from those that the same bins have in another light field of the
-/// same pixels, which has less noise or none, and how that compares with what noise makes expected.
+/// Reports the differences from the temperatures of the same bins in a reference, and compares them
+/// with the noise. The reference is a light field of the same pixels with less noise or none.
 /// @param light of both channels; pixels that are not numbers count in neither
 /// @throws FileError, InputError where the light fields are not of the same pixels and channels
 void compare_with_reference(const std::string& path, const TwoColourInput& input,

@@ -11,8 +11,8 @@
 namespace plenoflame::cli {
 namespace {
 
-/// Calls look(x, y) for each recorded value that went into a colour of a pixel: its own, or, for
-/// another colour, the neighbours', of which it is a mean (demosaic() in lightfield/sensor.h).
+/// Calls look(x, y) for each recorded value that contributed to a colour of a pixel. This is its
+/// own value, or those of its neighbours whose mean it is (demosaic() in lightfield/sensor.h).
 template <class Look>
 void look_at_values(const Image& raw, MosaicPattern pattern, PixelWindow window, int column,
                     int row, int colour, const Look& look) {

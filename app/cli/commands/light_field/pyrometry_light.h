@@ -19,8 +19,9 @@ struct LeftOutPixels {
   std::size_t defective = 0;  ///< of an imported picture
 };
 
-/// Makes pixels NaN whose well was full in either channel, or that are defective: they say nothing
-/// of a ratio. @param light of the channels a and b of the field
+/// Makes pixels NaN that are defective or whose well was full in either channel: their ratio is
+/// meaningless.
+/// @param light of the channels a and b of the field
 LeftOutPixels leave_out_bad_pixels(const LightField& field, MosaicPattern mosaic, std::size_t a,
                                    std::size_t b, LightFieldChannel light[2]);
 

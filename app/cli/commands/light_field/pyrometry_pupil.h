@@ -17,7 +17,7 @@ struct PupilPyrometry {
   double pixels[2] = {};  ///< of the sensor, for each of its pixels and each filter
 };
 
-/// @param channel number of the one that is looked at behind both filters
+/// @param channel number of the channel behind both filters
 /// @param filters two names @throws InputError, UsageError
 PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std::size_t channel,
                                const std::string (&filters)[2], const AbsorptionSpectrum& law,

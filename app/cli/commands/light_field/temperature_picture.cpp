@@ -28,7 +28,7 @@ std::array<std::uint16_t, 3> colour_of(double x) {
 }
 
 /// Round temperatures from low to high, far enough apart for their numbers: multiples of 1, 2 or 5
-/// times a power of ten. Where there is room for none or one, the ends of the range.
+/// times a power of ten. If less than two fit, the ends of the range.
 std::vector<double> round_temperatures(double low, double high, int height) {
   const double least = (high - low) * kLabelDistance / height;
   const double power = std::pow(10, std::floor(std::log10(least)));

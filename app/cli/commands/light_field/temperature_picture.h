@@ -5,9 +5,9 @@
 
 namespace plenoflame::cli {
 
-/// Temperatures [K] in false colours, from dark red over yellow to white, black where there is none
-/// (0); at the right a bar of the colours from `low` to `high` with round temperatures beside it.
-/// The picture is at least 96 pixels high, for the numbers. @throws FileError
+/// Temperatures [K] in false colours, from dark red over yellow to white. Pixels without
+/// temperature (0) are black. A bar at the right shows the colours from `low` to `high` with round
+/// temperatures. The picture is at least 96 pixels high, for the numbers. @throws FileError
 void write_temperature_picture(const std::string& path, const Image& temperature, double low,
                                double high);
 

@@ -15,8 +15,8 @@ struct ReconstructPage {
   const FlameTruth* truth = nullptr;  ///< nullptr: not known
 };
 
-/// The report as a page of HTML that needs no other file: figures, slices (beside the truth), what
-/// is not explained of each picture, the strengths that were tried and the history.
+/// The report as a page of HTML that needs no other file. It shows figures, slices (beside the
+/// truth), the unexplained part of each picture, the tested strengths and the history.
 std::string reconstruct_page(const ReconstructPage& page);
 
 }  // namespace plenoflame::cli

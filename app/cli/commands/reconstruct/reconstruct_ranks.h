@@ -6,7 +6,7 @@
 
 namespace plenoflame::cli {
 
-/// First byte of the message with which rank 0 asks for help with a reconstruction.
+/// First byte of the message with which rank 0 requests help with a reconstruction.
 inline constexpr char kReconstructionBegins = 'v';
 
 /// Tells the other ranks the cameras, and what is solved for.

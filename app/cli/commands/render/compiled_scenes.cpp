@@ -31,7 +31,7 @@ bool CompiledScenes::is_last(std::size_t index) const {
                       [&](const Kept& later) { return later.use.view == kept_[index].use.view; });
 }
 
-/// Drops what is not wanted any more: earlier exposures of the view, and other cameras' scenes
+/// Drops unneeded scenes: earlier exposures of the view, and other cameras' scenes
 /// whose flames the newest has, too. The newest of each view stays.
 void CompiledScenes::drop() {
   const Kept& newest = kept_.back();

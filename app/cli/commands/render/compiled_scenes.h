@@ -14,8 +14,8 @@ struct SceneUse {
   double begin = 0;      ///< [s] of the exposure
 };
 
-/// The scenes of a run, compiled. Scenes of one exposure come back, with every camera and every
-/// pass over its moments, and the next picture of a view has much in common with its last: both are
+/// The compiled scenes of a run. Every camera and every pass over an exposure's moments uses the
+/// exposure's scenes again. The next picture of a view shares much with its previous one. Both are
 /// kept as long as memory allows.
 class CompiledScenes {
  public:

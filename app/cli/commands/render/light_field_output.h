@@ -47,12 +47,13 @@ struct ViewArguments {
 };
 void add_view_options(CLI::App& command, ViewArguments& arguments);
 
-/// The light field of the arguments, one channel of it, with its camera: that of --scene, or of the
-/// light field's own scene. @throws FileError, InputError
+/// The light field of the arguments, one channel of it, with its camera. The camera is that of
+/// --scene, or of the light field's own scene.
+/// @throws FileError, InputError
 RawLightField read_raw(const RawArguments& arguments, Layers layers = Layers::none);
 
 /// Makes sure that results can go into a folder: its parent must exist, and what is there must be
-/// empty unless `force`. To be asked before the work is done.
+/// empty unless `force`. Call it before the work.
 /// @param force  of --force; nothing: the command has no such option
 /// @throws FileError
 void check_folder(const std::string& folder, std::optional<bool> force);

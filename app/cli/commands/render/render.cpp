@@ -242,8 +242,8 @@ double add_truth(const CompiledScene& compiled, LightField& light_field,
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// The share of rendering in a run with ground truth: a ray of the truth, one for each pixel, takes
-/// about as long as kTruthRays of the picture's.
+/// The share of rendering in a run with ground truth. Each pixel has one ray of truth, which takes
+/// about as long as kTruthRays rays of the picture.
 double rendering_share(bool with_truth, const RenderSettings& settings) {
   constexpr double kTruthRays = 30;
   if (!with_truth) return 1;
@@ -311,7 +311,7 @@ void check_series(const Picture& picture, const Scene& now, const SeriesCheck& c
 }
 
 /// Renders one light field.
-/// @param earlier to go on with; nullptr: none
+/// @param earlier run to continue; nullptr: none
 int render_one(const Picture& picture, RenderRun& run, const std::stop_token& stop,
                const Continuation* earlier = nullptr) {
   const RenderOptions& options = picture.options;
@@ -436,7 +436,7 @@ void check_truth(const RenderOptions& options, const SceneInTime& scene) {
         "camera.sensor.exposure_time=0s");
 }
 
-/// Goes on with a run, as its record and the options say.
+/// Continues a run, by its record and the options.
 int go_on(Picture picture, const Continuation& earlier, RenderRun& run,
           const std::stop_token& stop) {
   RenderOptions& options = picture.options;
@@ -456,7 +456,7 @@ int resume(const RenderOptions& options, JobCommunicator* ranks, const std::stop
   return go_on({earlier.scene, options}, earlier, run, stop);
 }
 
-/// A frame of several: one that was begun is gone on with, one that is done is left as it is.
+/// Renders a frame of several: continues one that was begun, keeps one that is complete.
 int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& stop) {
   RenderOptions options = picture.options;
   if (options.resume.empty()) return render_one(picture, run, stop);

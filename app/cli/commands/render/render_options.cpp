@@ -149,7 +149,7 @@ std::vector<double> f_number_list(const std::string& text) {
   return numbers;
 }
 
-/// A compiled camera has its rays; what would ask for others has no place beside it.
+/// A compiled camera has its own rays; options that would need other rays are rejected.
 void check_compiled_options(const RenderArguments& arguments, const RenderOptions& options) {
   const std::pair<bool, const char*> others[] = {
       {!arguments.samples.empty(), "--samples"},
@@ -177,7 +177,7 @@ RenderOptions checked_options(const RenderArguments& arguments) {
         "SCENE is required, unless --resume FILE is given (see plenoflame render --help)");
   if (options.scene.empty() && !options.set.empty())
     throw UsageError("--set needs SCENE: a resumed run keeps its scene");
-  // A run that goes on ends where it began.
+  // A continued run writes to its own file.
   if (options.output.empty()) options.output = options.resume;
   options.output_given = !options.output.empty();
   if (!options.output_given)

@@ -42,7 +42,7 @@ struct RenderOptions {
   std::optional<double> time;         ///< [s] of --time
   std::string all_frames;             ///< of one of several frames: the name of all, without number
   int threads = 0;                    ///< 0: one per processor
-  std::string resume;                 ///< .exr to go on from; empty: none
+  std::string resume;                 ///< .exr to continue; empty: none
   std::string stats;                  ///< .json to write; empty: none
   bool quiet = false;
   bool skip = true;  ///< false: --no-skip
@@ -72,13 +72,13 @@ void add_render_options(CLI::App& command, RenderArguments& arguments);
 /// Checks what was given, before anything is read. @throws UsageError
 RenderOptions checked_options(const RenderArguments& arguments);
 
-/// The settings that these options ask for; what they do not say is the scene's.
+/// The settings of these options; others are the scene's.
 RenderSettings render_settings_of(const RenderOptions& options, const Scene& scene);
 
 /// --compression by its name; that of none is rle.
 ExrCompression exr_compression(const std::string& name);
 
-/// The file of a stopped run's state, by the light field that the run was to write.
+/// The file of a stopped run's state, by the light field that the run writes.
 std::string state_path(const std::string& light_field);
 
 /// Finds out before any work whether the results can be written. @throws FileError

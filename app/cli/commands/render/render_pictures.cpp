@@ -69,7 +69,7 @@ std::vector<Picture> with_f_numbers(const Picture& picture) {
   return pictures;
 }
 
-/// A picture of each frame that is asked for, or of the time; without either, of the first frame.
+/// A picture of each requested frame or of the requested time; by default, of the first frame.
 std::vector<Picture> with_frames(const Picture& picture) {
   const RenderOptions& options = picture.options;
   const bool asked = options.frames || options.time;

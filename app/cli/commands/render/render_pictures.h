@@ -24,8 +24,8 @@ struct Picture : SceneInTime {
 /// @throws UsageError, InputError
 std::vector<Picture> pictures_of(const RenderOptions& options);
 
-/// Keeps with the state of a run what its picture's light field is to say of the exposure: which
-/// frame, when, how long, and what frame_is_done() compares.
+/// Adds the exposure to the state of a run, for its picture's light field. It consists of the
+/// frame, its begin, its length, and the values that frame_is_done() compares.
 void add_exposure(const Picture& picture, const RenderSettings& settings, RunRecord& record);
 /// Puts that into the light field, with the energy in J. @param flux [W]
 void put_exposure(const RunRecord& record, double flux, LightField& field);

@@ -21,7 +21,7 @@ class RunQueue {
     runs_.push_back(run);
     changed_.notify_one();
   }
-  /// There will be no more. @param drop those that nobody has taken as well
+  /// Ends the queue. @param drop also removes waiting runs
   void close(bool drop) {
     const std::lock_guard lock(mutex_);
     open_ = false;

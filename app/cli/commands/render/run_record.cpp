@@ -47,7 +47,7 @@ std::string yes_or_no(bool value) {
   return value ? "yes" : "no";
 }
 
-/// Names each difference between a run and what is to go on with it.
+/// Names each difference between a run and its continuation.
 class Differences {
  public:
   void add(const std::string& what, const std::string& then, const std::string& now) {

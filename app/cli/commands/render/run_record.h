@@ -17,7 +17,7 @@
 
 namespace plenoflame::cli {
 
-/// The record that is kept with the state of a run: all that it takes to go on with it.
+/// The record that is kept with the state of a run: all that its continuation needs.
 struct RunRecord {
   std::string version;
   std::string scene_text;        ///< TOML, complete; of several moments with what changes
@@ -25,7 +25,7 @@ struct RunRecord {
   std::vector<InputFile> files;  ///< that the scene names, as they were
   RenderSettings settings;       ///< without what is no setting: film and functions
   bool white = false;
-  bool truth = false;         ///< layers of ground truth were asked for
+  bool truth = false;         ///< layers of ground truth are requested
   std::string stats;          ///< file for the figures; empty: none
   std::string compression;    ///< as on the command line; empty: as it is without
   double seconds = 0;         ///< of rendering, so far
@@ -52,10 +52,10 @@ struct SceneInTime {
   std::vector<SceneMoment> moments() const;
 };
 
-/// [s] The begin of the exposure that is asked for; that of the first frame where no time is.
+/// [s] The begin of the requested exposure; without a time, of the first frame's.
 double begin_of(const SceneTimeline& timeline, std::optional<double> time);
 
-/// A run to go on with.
+/// A run that can be continued.
 struct Continuation {
   RunRecord record;
   Film film;                                   ///< of a single moment
@@ -65,15 +65,16 @@ struct Continuation {
   std::optional<LightField> picture;
 };
 
-/// The run that was to write options.resume: from its state or, when the picture is complete, from
-/// that. What the options say otherwise than the run is refused, by name and with both values, but
-/// for what may change: samples (more of them), target error, time limit, layers, files, threads.
-/// @param now the scene that is asked for; nullptr: that of the options, if any
+/// The run that should have written options.resume. It is read from its state or, when the picture
+/// is complete, from the picture. Options that differ from the run are rejected, by name and with
+/// both values. Only samples (more of them), target error, time limit, layers, files and threads
+/// may change.
+/// @param now the requested scene; nullptr: that of the options, if any
 /// @throws UsageError, InputError, FileError
 Continuation read_continuation(const RenderOptions& options, const SceneInTime* now = nullptr);
 
-/// Settings of the rest of the run: those of the record, with what the options give anew.
-/// @throws UsageError when that would take samples away, or is nothing
+/// Settings of the rest of the run: those of the record, with the changes of the options.
+/// @throws UsageError for fewer samples, and without any change
 RenderSettings continued_settings(const RenderOptions& options, const Continuation& run);
 
 }  // namespace plenoflame::cli

@@ -36,7 +36,7 @@ struct DesignArguments {
   LensTask lens;
 };
 
-/// Writes plots into the folder that was asked for.
+/// Writes plots into the requested folder.
 class PlotFolder {
  public:
   explicit PlotFolder(const DesignArguments& settings)

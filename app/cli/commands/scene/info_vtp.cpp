@@ -19,7 +19,7 @@ struct Tag {
 };
 
 /// Reads the tags of an XML file one by one, as far as files of VTK go: no entities in names, no
-/// CDATA. What stands between tags (numbers) is skipped.
+/// CDATA. It skips the text between tags (numbers).
 class TagReader {
  public:
   explicit TagReader(std::string_view text) : text_(text) {}

@@ -14,7 +14,7 @@
 namespace plenoflame::cli {
 namespace {
 
-/// Number of the status with this name, as to_string() gives it. 4: none has it.
+/// Number of the status with this name of to_string(). 4: unknown name.
 std::size_t status_of(std::string_view name) {
   std::size_t k = 0;
   while (k < 4 && name != to_string(static_cast<RayStatus>(k))) ++k;
@@ -144,7 +144,7 @@ RayCounts count_rays_of_json(const std::string& path) {
       if (radiance[c].is_number())
         counts.flux[c] += ray.at("weight").get<double>() * radiance[c].get<double>();
   };
-  // Rays are counted and let go one by one: together they would take many times the file's size.
+  // Rays are counted and released one by one: together they would take many times the file's size.
   bool rays = false;
   const auto event = [&](int depth, Json::parse_event_t what, Json& parsed) {
     if (depth == 1 && what == Json::parse_event_t::key) rays = parsed == "rays";

@@ -157,7 +157,7 @@ std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,
   return pictures;
 }
 
-/// "1-02:03:04", as sbatch has it.
+/// "1-02:03:04", the format of sbatch.
 std::string slurm_time(const std::string& text) {
   const double seconds = duration_option("--time", text);
   constexpr double kMost = 365 * 86400.0;
@@ -200,8 +200,8 @@ std::string with_options(std::string text, const std::vector<std::string>& optio
   return text + '\n';
 }
 
-/// The script of a sweep: a task of the array makes the runs of a part, and those that are left of
-/// them when it is begun anew.
+/// The script of a sweep. A task of the array makes the runs of a part, or the remaining ones after
+/// a restart.
 std::string sweep_script(const SubmitArguments& arguments, const std::string& name, int parts,
                          int threads, const std::vector<std::string>& options) {
   std::string folder = arguments.sweep;
@@ -244,7 +244,7 @@ std::string matrix_script(const SubmitArguments& arguments, const std::string& n
   return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
 }
 
-/// The script: a task of the array renders a part, and goes on with it when it is begun anew.
+/// The script: a task of the array renders a part, and continues it after a restart.
 std::string script(const SubmitArguments& arguments, const std::string& name,
                    const std::vector<SubmittedPicture>& pictures, int parts, int threads,
                    const std::vector<std::string>& options, bool frames) {

@@ -71,7 +71,7 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
   for (const int run : mine)
     if (!packed && !run_is_done(plan.folder, run)) left.push_back(run);
   std::size_t done = 0;
-  // A full disk, say: whoever makes room begins the same command anew.
+  // For example a full disk: after making room, the user repeats the command.
   const auto fail_with_rest = [&](const FileError& failure) {
     const auto there = std::count_if(
         mine.begin(), mine.end(), [&](int run) { return packed || run_is_done(plan.folder, run); });

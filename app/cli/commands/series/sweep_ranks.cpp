@@ -63,7 +63,7 @@ void visit_arguments(SweepArguments& a, Visitor visit) {
 std::string beginning(const SweepPlan& plan, std::size_t runs_each) {
   Json json;
   SweepArguments arguments = plan.arguments;
-  arguments.part = plan.part.is_whole() ? "" : to_string(plan.part);  // Slurm told rank 0 which
+  arguments.part = plan.part.is_whole() ? "" : to_string(plan.part);  // rank 0 has it from Slurm
   visit_arguments(arguments,
                   [&](const char* name, auto& value) { json["arguments"][name] = value; });
   json["plan"] = plan.text;

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// @param check asks for all that is used of the file
+/// @param check reads all used values of the file
 Json read_json(const std::string& path, const std::function<void(const Json&)>& check) {
   try {
     Json json = Json::parse(read_file(path));
@@ -38,7 +38,7 @@ Json read_json(const std::string& path, const std::function<void(const Json&)>& 
   throw FileError("'" + path + "' is damaged or does not belong to a sweep");
 }
 
-/// @throws Json::exception, InputError for what is missing or of another kind
+/// @throws Json::exception, InputError for missing values and wrong types
 void check_plan(const Json& plan) {
   static_cast<void>(part_from(plan.at("part").get<std::string>()));
   for (const char* text : {"format", "version"}) plan.at(text).get<std::string>();

@@ -9,10 +9,12 @@ namespace plenoflame::cli {
 /// True if a run's files are all there: its record is written with them.
 bool run_is_done(const std::string& folder, int run);
 
-/// Writes index.csv of a set whose runs are all there and, for HDF5, set.h5, which takes the place
-/// of the runs' own files. @param plan sweep.json @param runs this part's runs, in order
+/// Writes index.csv of a set that has all its runs. For HDF5 it also writes set.h5, which replaces
+/// the runs' own files.
+/// @param plan sweep.json
+/// @param runs this part's runs, in order
 /// @return runs with flames that reach beyond the lattice of the truth
-/// @throws FileError, Cancelled; what was there stays
+/// @throws FileError, Cancelled; existing files stay
 std::vector<int> finish_set(const std::string& folder, const nlohmann::ordered_json& plan,
                             const std::vector<int>& runs, bool pack, const std::stop_token& stop);
 

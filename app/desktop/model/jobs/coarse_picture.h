@@ -10,18 +10,18 @@ namespace plenoflame::desktop {
 /// A light field of the scene's whole sensor without its pixels: names, estimator, scene.
 std::shared_ptr<LightField> empty_picture(const CompiledScene& scene);
 
-/// The part of a coarse picture that serves the next one: its camera of large pixels, whose pupils
-/// take longer to trace than its rays, is taken over where only flames have changed.
+/// The part of a coarse picture that the next one reuses if only flames have changed: its camera of
+/// large pixels. The camera's pupils take longer to trace than its rays.
 struct CoarseScene {
   std::optional<CompiledScene> compiled;
 };
 
-/// A picture of the whole sensor within a fraction of a second, from few large pixels in the place
-/// of many: each pixel gets its share of the flux of the large one that it lies in. It has no
-/// standard errors, and does not count as complete.
+/// A picture of the whole sensor within a fraction of a second, from a few large pixels. Each pixel
+/// gets its share of the flux of its large pixel. The picture has no standard errors, and does not
+/// count as complete.
 /// @param kept of the picture before; becomes this one's. The picture has the same bits without it
-/// @return null where the sensor is so small that nothing would be gained, or its pixels cannot be
-///         gathered (forward estimator)
+/// @return null if the sensor is too small to gain time, or its pixels cannot be gathered (forward
+///         estimator)
 /// @throws Cancelled
 std::shared_ptr<LightField> coarse_picture(const CompiledScene& scene, const Execution& execution,
                                            CoarseScene& kept);

@@ -11,13 +11,13 @@
 namespace plenoflame::desktop {
 
 /// Keeps the flames of the last scene that was compiled, so that a change elsewhere does not load
-/// them again. Flames in files are loaded anew when the file has changed. Safe to use from several
+/// them again. Flames in files are reloaded when the file has changed. Safe to use from several
 /// threads.
 class FlameCache {
  public:
   /// A loader for compile(); the cache must outlive it.
   MediumLoader loader();
-  /// Forgets what the last two compilations did not ask for.
+  /// Forgets flames that the last two compilations did not use.
   void next_generation();
   int loads() const { return loads_; }  ///< flames that were really loaded
 

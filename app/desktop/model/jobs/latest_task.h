@@ -13,7 +13,7 @@ namespace plenoflame::desktop {
 enum class Urgency {
   waited_for,  ///< somebody looks at the place where it appears: the rays of a click
   work,        ///< a picture that is being made
-  in_reserve,  ///< what will be wanted later, or only perhaps
+  in_reserve,  ///< work that is needed later, or only perhaps
 };
 
 /// Runs tasks one at a time on a thread of its own, below the priority of the window. Only the

@@ -48,7 +48,7 @@ LightFieldJobs::LightFieldJobs(QObject* parent)
       stack_task_(std::make_unique<LatestTask>(Urgency::work)) {}
 
 LightFieldJobs::~LightFieldJobs() {
-  // All are asked to stop before any is waited for.
+  // Stops all before waiting for the first.
   micro_task_->cancel();
   views_task_->cancel();
   refocus_->cancel();

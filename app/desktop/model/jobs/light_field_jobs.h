@@ -26,8 +26,8 @@ struct DerivedImage {
 /// at once. The views meet at `depth` [m].
 Image shift_and_add(const Views& views, const ViewGeometry& geometry, double depth);
 
-/// Sub-aperture views, refocused pictures and what else is made from the raw image, in the
-/// background. Of each kind only the latest request counts.
+/// Makes sub-aperture views, refocused pictures and other results from the raw image, in the
+/// background. Only the latest request of each kind counts.
 class LightFieldJobs : public QObject {
   Q_OBJECT
  public:
@@ -53,7 +53,7 @@ class LightFieldJobs : public QObject {
   const std::shared_ptr<const LightField>& field() const { return field_; }
   /// Null until views have been made from the latest image.
   const std::shared_ptr<const Views>& views() const { return views_; }
-  /// With their white light; null until views are wanted and they are there.
+  /// With their white light; null until views are requested and computed.
   const std::shared_ptr<const MicroImages>& micro_images() const { return micro_images_; }
   /// Their places, which are known much sooner; without white light.
   const std::shared_ptr<const MicroImages>& outlines() const { return outlines_; }

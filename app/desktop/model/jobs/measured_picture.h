@@ -11,10 +11,11 @@
 
 namespace plenoflame::desktop {
 
-/// Reads a picture that a real camera took: a raw light field (.exr), as `plenoflame import` makes
-/// it, or the camera's own file (TIFF, PNG, PGM, JPEG; several frames are averaged), whose counts
-/// become electrons by the gain and black level of the scene's sensor.
-/// @param scene of the camera alone @return of the whole sensor, 0 where a window left it out
+/// Reads a picture of a real camera. It is a raw light field (.exr) from `plenoflame import`, or
+/// the camera's own file (TIFF, PNG, PGM, JPEG; several frames are averaged). The counts of such a
+/// file become electrons by the gain and black level of the scene's sensor.
+/// @param scene of the camera alone
+/// @return of the whole sensor, 0 outside of a window
 /// @throws FileError, InputError: no picture of this sensor; Cancelled
 std::shared_ptr<const LightField> read_measured(const std::string& path, const Scene& scene,
                                                 const Execution& execution);

@@ -47,8 +47,8 @@ std::vector<RaySurfaceRow> ray_surfaces(const SelectedRays& rays, std::size_t ra
 /// "reached the scene", "vignetted at aperture stop", ...
 QString status_text(const RayPaths& paths, const TraceStatus& status);
 
-/// The microlens in whose micro-image a pixel lies: of all of them the one through whose middle a
-/// ray from the middle of the pixel comes nearest to the middle of the stop.
+/// The microlens in whose micro-image a pixel lies. Its ray from the pixel's middle through its own
+/// middle comes nearest to the middle of the stop.
 LensIndex microlens_of_pixel(const Camera& camera, int column, int row);
 
 /// Description of a place of the world: "1.01 m in front, 3 mm beside, 2 mm above; 1650 K, 8.1
@@ -57,11 +57,11 @@ QString place_text(const CompiledScene& scene, const Vec3& world);
 /// "microlens (3, -2), type1".
 QString microlens_text(const CompiledScene& scene, LensIndex lens);
 
-/// Point of a ray of the world at which a viewer sees the flame: the place that sends him most
-/// light per length, absorption on the way included. False: the ray meets none.
+/// Point of a ray of the world at which a viewer sees the flame. This place sends most light per
+/// length to the viewer, including absorption on the way. False: the ray meets no flame.
 bool flame_point(const Medium& medium, const Ray& ray, Vec3& point);
 
-/// Traces the rays of the document's selection in the background, anew when the scene changes.
+/// Traces the rays of the document's selection in the background, again when the scene changes.
 class RaySelector : public QObject {
   Q_OBJECT
  public:

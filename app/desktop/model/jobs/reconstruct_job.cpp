@@ -32,7 +32,7 @@ double largest_of(const std::vector<float>& values) {
   return values.empty() ? 0 : static_cast<double>(*std::max_element(values.begin(), values.end()));
 }
 
-/// Truth of a field that was found; null: nobody knows one.
+/// Truth of a reconstructed field; null: unknown.
 const std::vector<double>* truth_of(const std::string& name, const FlameTruth* truth) {
   if (!truth) return nullptr;
   const std::vector<double>* const values = name == "emission"      ? &truth->emission
@@ -99,7 +99,7 @@ struct ReconstructJob::Run {
   Options options;
   // The following belong to the worker's thread.
   std::chrono::steady_clock::time_point told;
-  QVector<QPointF> trials, solution;  ///< not told yet
+  QVector<QPointF> trials, solution;  ///< not reported yet
   int iterations = 0;
   bool has_box = false;
   IndexBox box;

@@ -58,7 +58,7 @@ struct RenderJob::Run {
   CompiledBundle compiled;
   int threads = 0;
   bool finished_only = false;       ///< nothing is shown before the end
-  std::atomic<bool> begun = false;  ///< the coarse picture is made, or none is wanted
+  std::atomic<bool> begun = false;  ///< the coarse picture is made, or not requested
   std::vector<int> passes;
   std::size_t pass = 0;
   std::optional<Film> paused;                 ///< film of a pass that was paused
@@ -99,8 +99,8 @@ struct RenderJob::Run {
 double RenderJob::Run::remaining(const Progress& progress) const {
   const double samples = passes[pass], later = work(true) - work(false) - samples;
   if (seconds_per_sample > 0) {
-    // A pass takes as long for each sample as the one before did. What its own progress says comes
-    // second: tiles are of very different cost.
+    // A pass takes as long for each sample as the previous pass. Its own estimate comes second,
+    // because tiles have very different costs.
     const double expected = seconds_per_sample * samples, spent = spent_in_pass();
     const double rest =
         spent < 0.9 * expected ? expected - spent : std::max(0.0, progress.remaining_seconds);
@@ -230,7 +230,7 @@ void RenderJob::launch() {
     run->launched = Clock::now();
     try {
       if (!run->begun) begin(run, stop);
-    } catch (const Cancelled&) {  // it is made anew
+    } catch (const Cancelled&) {  // it is made again
     }
     run->seconds = run->elapsed();
     if (!run->begun) return;
@@ -266,7 +266,7 @@ void RenderJob::show(const std::shared_ptr<Run>& run, std::shared_ptr<const Ligh
          status_.relative_error = point.error;
          status_.seconds = point.seconds;
          if (statistics) statistics_ = *statistics;
-         if (last) {  // nothing may have been told of a pass that was done in a blink
+         if (last) {  // a very short pass may have reported nothing
            status_.pass = status_.passes;
            status_.samples = static_cast<int>(field->samples);
            status_.rays = statistics->rays;

@@ -22,10 +22,10 @@ struct CompiledBundle {
   std::string name;
 };
 
-/// Renders in the background, coarsely first: a picture of large pixels, then passes of which each
-/// replaces the picture of the one before, tile by tile. Every picture is one of the whole sensor.
-/// The last pass is what the command line does with the same scene, bit for bit. With a compiled
-/// camera there is one pass, which is quick.
+/// Renders in the background, coarsely first. A picture of large pixels comes first, then passes,
+/// each of which replaces the previous picture tile by tile. Every picture is one of the whole
+/// sensor. The last pass is what the command line does with the same scene, bit for bit. With a
+/// compiled camera there is one pass, which is quick.
 class RenderJob : public QObject {
   Q_OBJECT
  public:
@@ -55,9 +55,9 @@ class RenderJob : public QObject {
   /// Statistics of the last pass that was completed.
   const RenderStatistics& statistics() const { return statistics_; }
 
-  /// Begins anew. @param threads 0: one per processor
-  /// @param shown a picture of the same scene and seed, of the whole sensor, which is to be
-  ///        bettered and not to be begun again; null: none
+  /// Starts again. @param threads 0: one per processor
+  /// @param shown a picture of the same scene and seed, of the whole sensor, to be improved; null:
+  ///        none
   /// @param compiled makes the picture in place of new rays; it belongs to the scene
   void start(std::shared_ptr<const CompiledScene> scene, int threads = 0,
              std::shared_ptr<const LightField> shown = nullptr, CompiledBundle compiled = {});
@@ -65,7 +65,7 @@ class RenderJob : public QObject {
   void set_finished_only(bool on) { finished_only_ = on; }
   /// True if the picture is made by a compiled camera.
   bool is_compiled() const;
-  /// Keeps what is there; resume() goes on as if there had been no break.
+  /// Keeps the picture so far; resume() continues as without a break.
   void pause();
   void resume();
   /// Ends; the picture stays as it is.

@@ -98,7 +98,7 @@ void SceneCompiler::request(const SceneChanges& changes) {
   const std::optional<double> time = document_.time();
   if (changes.time && ahead_.compiled.scene && time == ahead_.time) {
     task_.cancel();
-    // Not at once: others are still told of the change.
+    // Not at once: other listeners are still notified of the change.
     post(this, [this, number, compiled = std::exchange(ahead_, {}).compiled] {
       if (number == newest_) take(compiled);
     });

@@ -29,7 +29,7 @@ class SceneCompiler : public QObject {
   /// Compiles once more what failed: its files may be others now.
   void retry();
   const FlameCache& flames() const { return flames_; }
-  /// Compiles the scene as it is at another moment before anybody asks for it.
+  /// Compiles the scene of another moment ahead of its request.
   void prepare(double time);
   /// True once the work that prepare() began is over.
   bool is_prepared() const { return !ahead_task_.busy(); }
@@ -57,7 +57,7 @@ class SceneCompiler : public QObject {
   std::shared_ptr<const CompiledScene> compiled_;
   std::vector<InputFile> files_;  ///< of it
   SceneChanges pending_;          ///< of scenes that were replaced before they were compiled
-  /// The scene at a moment that will be asked for next.
+  /// The scene at the moment that will probably be shown next.
   struct Ahead {
     double time = 0;
     Compiled compiled;

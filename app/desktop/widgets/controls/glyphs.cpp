@@ -72,7 +72,7 @@ class GlyphEngine : public QIconEngine {
         for (const QPointF middle : {QPointF(4.5, 4.7), QPointF(11.5, 4.7), QPointF(8, 11)})
           p.drawEllipse(middle, 3.3, 3.3);
         return;
-      case Glyph::saturated:  // a curve that goes on flat, under a line
+      case Glyph::saturated:  // a curve that becomes flat, under a line
         p.drawLine(QPointF(1, 3), QPointF(15, 3));
         for (const QLineF& piece :
              {QLineF(1, 14, 4.5, 11), QLineF(4.5, 11, 6.5, 5.5), QLineF(6.5, 5.5, 15, 5.5)})

@@ -8,7 +8,7 @@
 namespace plenoflame::desktop {
 
 void apply_theme(bool dark) {
-  // A style that is set again has every widget made up anew, which takes as long as opening it.
+  // Setting a style again rebuilds every widget, which takes as long as opening it.
   if (QApplication::style()->objectName().compare("fusion", Qt::CaseInsensitive) != 0)
     QApplication::setStyle(QStyleFactory::create("Fusion"));
   QPalette palette;

@@ -50,7 +50,7 @@ TimeBar::TimeBar(Session& session, QWidget* parent)
             if (!changes.time) follow();
             show_time();
           });
-  // The next moment is prepared while this one is looked at.
+  // The next moment is prepared while this one is shown.
   connect(&session_.compiler(), &SceneCompiler::compiled_changed, this, [this] {
     if (timeline_ && slider_->value() < slider_->maximum())
       session_.compiler().prepare(time_of(slider_->value() + 1));

@@ -107,7 +107,7 @@ FlameLookEditor::FlameLookEditor(Document& document, QWidget* parent)
 
 void FlameLookEditor::edit_ends() {
   FlameLook look = document_.look();
-  // Typing a temperature means that it is wanted; ticking the box gives the flame's own back.
+  // A typed temperature replaces the automatic one; ticking the box restores the flame's own.
   look.automatic = sender() == automatic_ && automatic_->isChecked();
   look.cold = look.automatic ? 0 : cold_->value();
   look.hot = look.automatic ? 0 : hot_->value();

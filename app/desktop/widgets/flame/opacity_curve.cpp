@@ -200,7 +200,7 @@ void OpacityCurve::paint_histogram(QPainter& painter, const QRectF& box) const {
   for (int x = 0; x < static_cast<int>(box.width()); ++x) {
     const double from = cold_ + (hot_ - cold_) * x / box.width(),
                  to = cold_ + (hot_ - cold_) * (x + 1) / box.width();
-    // The highest of what lies within the column: narrow peaks do not get lost.
+    // The highest value within the column, so that narrow peaks stay visible.
     double height = std::max(height_at(from), height_at(to));
     const double step = (hottest_ - coldest_) / static_cast<double>(heights_.size());
     for (double t = from; step > 0 && t < to; t += step) height = std::max(height, height_at(t));

@@ -9,8 +9,8 @@ class QPainter;
 namespace plenoflame::desktop {
 
 /// The curve of opacity over temperature, on the colours of temperature. A click adds a point, a
-/// drag moves one, a right click or Delete takes it away. Arrow keys move the chosen point (Shift:
-/// ten times as far), N and P choose the next and the one before, Insert adds one after it.
+/// drag moves one, a right click or Delete removes it. Arrow keys move the chosen point (Shift: ten
+/// times as far). N and P choose the next and the previous one; Insert adds one after it.
 class OpacityCurve : public QWidget {
   Q_OBJECT
  public:

@@ -15,7 +15,7 @@ class ColourBar : public QWidget {
   void set_tone(const ToneSettings& tone, Dimension dimension, const QString& unit = {});
   /// The texts beside the bar, from the lowest value up.
   const QStringList& labels() const { return labels_; }
-  /// As wide as its widest numbers so far: what stands beside it does not move with them.
+  /// As wide as its widest numbers so far: widgets beside it do not move with them.
   QSize sizeHint() const override;
 
  protected:

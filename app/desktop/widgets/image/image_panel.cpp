@@ -75,7 +75,7 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
   map_ = combo("map", {tr("Grey"), tr("Viridis"), tr("Cividis"), tr("Inferno")},
                tr("Colours; all are even in lightness and safe for "
                   "colour-blind people"));
-  map_->setCurrentIndex(kInferno);  // as views and flame have it
+  map_->setCurrentIndex(kInferno);  // as for views and flame
   white_ = new QLineEdit(tools);
   white_->setObjectName("white");
   white_->setPlaceholderText(tr("white: auto"));

@@ -97,7 +97,7 @@ void ImagePanel::request_measured() {
         own_white_ = white > 0 ? white : 1;
         show_picture();
       });
-    } catch (const std::exception&) {  // stopped: another one is asked for
+    } catch (const std::exception&) {  // stopped: a newer request follows
     }
   });
 }

@@ -269,7 +269,7 @@ void ImageView::draw_micro_images(QPainter& painter) {
     painter.drawEllipse(to_widget(QPointF(centre.x, centre.y)), across, down);
   };
   painter.setBrush(Qt::NoBrush);
-  // The lattice goes on beyond the sensor, where there is no picture.
+  // The lattice extends beyond the sensor, where there is no picture.
   painter.save();
   painter.setClipRect(QRectF(to_widget({0, 0}), to_widget(QPointF(sensor.columns, sensor.rows))));
   // Many small circles are faint, as they would be all that is seen of the picture.
@@ -323,7 +323,7 @@ void ImageView::set_empty_text(const QString& text) {
 
 namespace {
 
-/// The size that a text takes, with a margin; long texts go on in the next line.
+/// The size that a text takes, with a margin; long texts wrap.
 QSize room_of_text(const QPainter& painter, const QString& text) {
   const QRect view = painter.viewport().adjusted(0, 0, -28, 0);
   return painter.fontMetrics()

@@ -242,7 +242,7 @@ QWidget* LightFieldPanel::make_refocus_tab() {
   });
   connect(aperture_, &QSlider::valueChanged, this, &LightFieldPanel::request_refocus);
   connect(depth_edit_, &QLineEdit::editingFinished, this, [this] {
-    if (!depth_edit_->isModified()) return;  // what is there is rounded
+    if (!depth_edit_->isModified()) return;  // the present text is rounded
     depth_edit_->setStyleSheet({});
     try {
       const double depth = parse_quantity(depth_edit_->text().toStdString(), Dimension::length);
@@ -413,7 +413,7 @@ void LightFieldPanel::on_views_changed() {
     const double nearest = std::max(least, 0.55 * middle_depth), farthest = 2.2 * middle_depth;
     const std::array<double, 2> range{nearest, farthest};
     if (range != range_) {
-      // A place that was asked for before there were any views is wanted of the first ones.
+      // A place that was requested before there were any views applies to the first ones.
       const bool first = range_[0] == 0 && depth_wanted_ > 0;
       const bool kept = first || (depth_wanted_ >= nearest && depth_wanted_ <= farthest);
       range_ = range;

@@ -67,7 +67,7 @@ class LightFieldPanel : public QWidget {
   QTabWidget& tabs() { return *tabs_; }
   Tab tab() const;
   void show_tab(Tab tab);
-  /// True if what is shown is made of views, which cost time.
+  /// True if the shown picture is made from views, which cost time.
   bool shows_views() const { return tab() != Tab::raw && tab() != Tab::reconstruction; }
   /// Colours of all its pictures.
   void set_map(ColourMap map);

@@ -10,8 +10,8 @@ class vtkTextActor;
 
 namespace plenoflame::desktop {
 
-/// A bar of a round length at the lower edge of a 3-D view, as long as that is in the plane through
-/// the middle of the view.
+/// A bar of a round length at the lower edge of a 3-D view. The length is measured in the plane
+/// through the middle of the view.
 class ScaleBar {
  public:
   explicit ScaleBar(vtkRenderer& renderer);

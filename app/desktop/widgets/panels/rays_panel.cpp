@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kEndedColumn = 2;
 constexpr int kRows = 3;  ///< that are seen at least
-/// Columns that a narrow panel leaves out, first to last: the lines' tooltips have them.
+/// Columns that a narrow panel leaves out, first to last: the lines' tooltips show them.
 constexpr std::array<int, 7> kRaysLeaveOut{1, 5, 8, 4, 6, 3, 7};
 constexpr std::array<int, 3> kSurfacesLeaveOut{3, 4, 2};
 

@@ -72,7 +72,7 @@ RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), s
   curve_->set_axes(tr("time [s]"), tr("relative RMSE"), true, true);
   curve_->setMinimumHeight(80);
   curve_->set_empty_text(tr("Error against time appears while an image is rendered."));
-  auto* buttons = new FlowLayout;  // a small window has them in two lines
+  auto* buttons = new FlowLayout;  // in a small window they take two lines
   buttons->setContentsMargins(0, 0, 0, 0);
   for (QPushButton* b : {start_, pause_, stop_, finer_, coarser_}) buttons->addWidget(b);
   auto* form = new QFormLayout;

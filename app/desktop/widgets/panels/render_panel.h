@@ -12,7 +12,7 @@ namespace plenoflame::desktop {
 
 class PlotWidget;
 
-/// Progress of the image, and what it can be told: pause, resume, stop, once more, finer.
+/// Progress of the image, and its commands: pause, resume, stop, repeat, refine.
 class RenderPanel : public QWidget {
   Q_OBJECT
  public:

@@ -54,7 +54,7 @@ EyeLayer::EyeLayer(vtkRenderer& renderer) : renderer_(renderer) {
           take(light);
           emit changed();
         });
-      } catch (const std::exception&) {  // stopped: another one is wanted
+      } catch (const std::exception&) {  // stopped: a newer request follows
       }
     });
   });

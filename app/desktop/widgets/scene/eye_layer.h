@@ -36,7 +36,7 @@ class EyeLayer : public QObject {
   void draw_at_once(bool on) { at_once_ = on; }
   /// True if there is light to be seen.
   bool has_light() const { return flame_ && flame_->bright > 0; }
-  /// True if what is shown is as fine as it gets.
+  /// True if the picture has its final resolution.
   bool is_fine() const { return !visible_ || !has_light() || fine_; }
 
  signals:
@@ -57,7 +57,7 @@ class EyeLayer : public QObject {
   double exposure_ = 0;
   bool visible_ = false, fine_ = false, at_once_ = false;
   bool outdated_ = true;                   ///< drawn of other flames, or elsewhere
-  std::shared_ptr<const EyeLight> light_;  ///< what is drawn; null: nothing yet
+  std::shared_ptr<const EyeLight> light_;  ///< the drawn light; null: none yet
   std::array<double, 14> camera_{};        ///< for which it was drawn
   vtkNew<vtkPlaneSource> plane_;
   vtkNew<vtkImageData> image_;

@@ -23,9 +23,9 @@
 namespace plenoflame::desktop {
 namespace {
 
-/// Single microlenses of the whole camera, at most; above it their plate is drawn: software OpenGL
-/// takes a quarter of a second for a thousand of them, each of two surfaces and seen through
-/// others.
+/// Largest number of single microlenses of the whole camera; above it their plate is drawn.
+/// Software OpenGL takes a quarter of a second for a thousand of them, each of two surfaces and
+/// seen through others.
 constexpr int kMostMicrolenses = 150;
 
 ThingSeen thing_in(const double* bounds, bool flat = false) {

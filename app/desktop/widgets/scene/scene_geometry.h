@@ -50,12 +50,12 @@ vtkSmartPointer<vtkPolyData> placed(vtkPolyData* data, const Schematic& schemati
 /// Hot and dense everywhere, in some points.
 vtkSmartPointer<vtkImageData> small_flame();
 
-/// Pixels as VTK has them, rows upwards.
+/// Pixels in the order of VTK, rows upwards.
 vtkSmartPointer<vtkImageData> texture_of(const Image& image);
 
-/// Near follows the distance to what is looked at, so that the depth buffer's 24 bits tell surfaces
-/// apart from the whole scene down to a microlens; far costs them nothing, and takes in all there
-/// is.
+/// The near plane follows the distance to the objects. The depth buffer's 24 bits then separate
+/// surfaces from the whole scene down to a microlens. The far plane holds everything, which costs
+/// no depth resolution.
 void fit_clipping(vtkRenderer& renderer);
 
 }  // namespace plenoflame::desktop

@@ -15,7 +15,7 @@ namespace plenoflame::desktop {
 
 constexpr double kTextGround = 0.6;  ///< opacity of the ground of a text
 
-/// Texts before a 3-D view stay readable over what is drawn there.
+/// Keeps texts in front of a 3-D view readable over its drawing.
 void set_text_ground(vtkTextProperty& style);
 
 /// Part of a drawing [screen pixel], from the lower left corner.
@@ -26,9 +26,9 @@ struct ScreenBox {
   double overlap(const ScreenBox& other) const;  ///< area of what both cover [pixel^2]
 };
 
-/// Texts of a 3-D view, each beside the thing that it tells of, wherever there is room: not over
-/// another text, nor over the marks that must be seen, and over other things where there is no
-/// other way. From a text that stands away from its thing a thin line leads there.
+/// Texts of a 3-D view, each beside its thing where there is room. A text covers neither other
+/// texts nor the marks that must be seen. It covers other things only if it must. A thin line leads
+/// from a distant text to its thing.
 class SceneLabels {
  public:
   enum class Keep { off, off_if_possible };
@@ -40,7 +40,7 @@ class SceneLabels {
   /// @param thing points of the world, as drawn, that bound it
   void avoid(std::vector<Vec3> thing, Keep keep);
   /// To be called before each drawing, as the texts stay beside things while the view is turned.
-  /// @param furniture what stands in front of the view: bars, cube
+  /// @param furniture bars and cube in front of the view
   void place(vtkRenderer& renderer, const std::vector<ScreenBox>& furniture) const;
 
  private:

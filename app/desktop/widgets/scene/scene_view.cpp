@@ -184,7 +184,7 @@ void SceneView::hold(bool on) {
 }
 
 void SceneView::warm_up() {
-  if (warm_ || scene_) return;  // what is there must stay
+  if (warm_ || scene_) return;  // keeps the present scene
   warm_ = true;
   view_->widget->grabFramebuffer();  // from here on there is something to draw with
   const Scene scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
@@ -322,8 +322,8 @@ void SceneView::add_geometry() {
   update_schematic();
   if (!aimed_) aim();
   if (first_) {
-    // The first frame of each kind of thing compiles programs for the graphics card: one thing at a
-    // time, and none to begin with, so that the window answers in between.
+    // The first frame of each kind of thing compiles programs for the graphics card. Things are
+    // added one at a time, beginning with none, so that the window answers in between.
     view_->window->Render();
     add_layers();
     for (const auto& [layer, props] : view_->layers)
@@ -462,7 +462,7 @@ void SceneView::show_part(Part part) {
   render();
 }
 
-/// The gaps are found anew: something that they depend on has changed.
+/// Recomputes the gaps after a change of something that they depend on.
 void SceneView::draw_to_scale() {
   update_schematic();
   if (geometry_) {

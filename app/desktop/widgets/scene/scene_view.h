@@ -44,7 +44,7 @@ class SceneView : public QWidget {
   /// @param others further cameras, which are shown in the whole scene
   void set_scene(std::shared_ptr<const CompiledScene> scene, const SceneChanges& changes,
                  std::vector<CameraSpec> others = {});
-  /// Shows nothing, and looks at the next scene anew.
+  /// Shows nothing, and aims at the next scene again.
   void clear();
   /// While it is held it shows what it showed before, and costs nothing; then all that has changed.
   void hold(bool on);
@@ -64,9 +64,9 @@ class SceneView : public QWidget {
   /// Looks from where the other one does from now on: what turns one turns both.
   void look_as(SceneView& other);
   Part part() const { return part_; }
-  /// Draws one of each kind of thing where nobody sees it: programs for the graphics card, which
-  /// software OpenGL makes on the processor, are made then and not when the window is in use. To be
-  /// called before the window is on the screen, but after its place on the screen was made.
+  /// Draws one of each kind of thing invisibly, so that programs for the graphics card are compiled
+  /// now and not in use. Software OpenGL compiles them on the processor. Call it after the window
+  /// has its place on the screen, but before it is shown.
   void warm_up();
   /// The view as it is now, without the window around it; as finely as it can be drawn, however
   /// long that takes.
@@ -122,7 +122,7 @@ class SceneView : public QWidget {
   void add_gaps();
   void add_gaps_of(std::size_t camera, vtkRenderer& renderer);
   void place_handles();
-  /// @return whether it is about a handle, and nobody else's
+  /// @return whether the event belongs to a handle
   bool drag_handle(QEvent::Type event, const QPointF& at);
   void run_light(bool on);
   void move_light();
@@ -153,7 +153,7 @@ class SceneView : public QWidget {
   /// Drawing of the axis of a further camera.
   Schematic schematic_of_other(std::size_t number) const;
   void aim();
-  /// True while nobody turned, moved or zoomed what was aimed last.
+  /// True while the user has not turned, moved or zoomed the view since it was aimed.
   bool is_as_aimed() const;
   void fit_to_size();
   /// All of these points, beside the bar of colours.

@@ -19,7 +19,7 @@ namespace plenoflame::desktop {
 
 namespace {
 
-/// The extent to which walls and floors are shown, beside what stands before them.
+/// Extent of the shown walls and floors, relative to the things in front of them.
 constexpr double kGroundShare = 1.6;
 constexpr double kBarShare = 0.16;  ///< of the view's width, that the bar of colours takes
 
@@ -66,8 +66,8 @@ std::vector<QPointF> SceneView::other_cameras_seen() const {
   return places;
 }
 
-/// The bodies, and of walls and floors as much as there is around what has been added: they
-/// are the ground before which a flame is seen, and would make a speck of it.
+/// Adds the bodies, and walls and floors as far as they surround the points so far. These are the
+/// background of a flame; whole walls would reduce it to a speck.
 void SceneView::add_solids(std::vector<Vec3>& points) const {
   const views::SolidSurfaces& solids = geometry_->solids;
   vtkBoundingBox all = solids.all;
@@ -226,7 +226,7 @@ void SceneView::look_as(SceneView& other) {
   vtkCamera* const camera = other.view_->renderer->GetActiveCamera();
   view_->renderer->SetActiveCamera(camera);
   aimed_ = true;
-  // Each draws anew when the other one turned it.
+  // Each view redraws when the other one has turned it.
   for (const auto& [from, to] : {std::pair{this, &other}, {&other, this}}) {
     vtkCallbackCommand& moved = *to->view_->moved_elsewhere;
     moved.SetClientData(to);
@@ -264,7 +264,7 @@ bool SceneView::eventFilter(QObject* object, QEvent* event) {
   }
   if (object == view_->widget) {
     // VTK's own keys, from wire frames to pictures for red and green glasses, are not for users:
-    // what is typed goes on to the window.
+    // key presses go to the window.
     if (event->type() == QEvent::KeyPress || event->type() == QEvent::KeyRelease) {
       event->ignore();
       return true;

@@ -129,7 +129,7 @@ void set_bar_style(vtkScalarBarActor& bar) {
   bar.SetBarRatio(0.25);
   bar.SetLabelFormat("%.0f  ");
   bar.SetMaximumNumberOfColors(256);  // the map's own, with no steps to be seen
-  bar.DrawBackgroundOn();             // rays go on behind it
+  bar.DrawBackgroundOn();             // rays pass behind it
   bar.GetBackgroundProperty()->SetColor(views::kBackground[0], views::kBackground[1],
                                         views::kBackground[2]);
   bar.GetBackgroundProperty()->SetOpacity(kTextGround);
@@ -159,7 +159,7 @@ void SceneView::View::add_axes_cube() {
   cube->SetZMinusFaceText("-Z");
   cube->SetFaceTextScale(0.5);
   cube->GetCubeProperty()->SetColor(0.3, 0.32, 0.37);
-  // Faces that are seen nearly from their edge are told from the ground, too.
+  // Faces seen nearly edge-on must differ from the background, too.
   cube->GetCubeProperty()->SetAmbient(0.6);
   cube->GetCubeProperty()->SetDiffuse(0.5);
   cube->GetTextEdgesProperty()->SetColor(0.6, 0.62, 0.66);

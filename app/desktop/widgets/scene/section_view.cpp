@@ -413,8 +413,8 @@ void SectionView::draw_scale(QPainter& painter) {
   draw_names(painter);
 }
 
-/// Names of the parts, each above its part, or beside it where there is no room above; no name over
-/// another, nor over the sensor or the array.
+/// Draws the names of the parts, each above its part, or beside it without room above. No name
+/// covers another, the sensor or the array.
 void SectionView::draw_names(QPainter& painter) {
   const Camera& camera = scene_->camera;
   const CameraSpec& spec = camera.spec();

@@ -10,9 +10,9 @@
 
 namespace plenoflame::desktop {
 
-/// Section through the optical axis, the scene on the left, the sensor on the right: surfaces with
-/// their true shape, stop, microlenses, the flame's temperature in the plane, and the rays as they
-/// look from the side.
+/// Section through the optical axis, the scene on the left, the sensor on the right. It shows
+/// surfaces with their true shape, stop, microlenses, the flame's temperature in the plane, and the
+/// rays seen from the side.
 class SectionView : public QWidget {
   Q_OBJECT
  public:

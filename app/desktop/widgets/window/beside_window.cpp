@@ -37,7 +37,7 @@ const Fields::Field* field_named(const Fields& fields, const std::string& name) 
   return nullptr;
 }
 
-/// Values as VTK's volumes have them. @param density how visible each place is
+/// Values as a VTK volume. @param density how visible each place is
 vtkSmartPointer<vtkImageData> image_of(const VoxelPlace& place, const std::vector<float>& values,
                                        const std::vector<float>& density) {
   auto image = vtkSmartPointer<vtkImageData>::New();

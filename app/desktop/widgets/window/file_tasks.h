@@ -15,8 +15,8 @@ class QPushButton;
 
 namespace plenoflame::desktop {
 
-/// Reads and writes files in the background, one after the other in the order they were asked for.
-/// As a widget it says what is being done and for how long, and cancels it.
+/// Reads and writes files in the background, in the order of the requests. As a widget it shows the
+/// present task and its time, and cancels it.
 class FileTasks : public QWidget {
   Q_OBJECT
  public:
@@ -29,9 +29,9 @@ class FileTasks : public QWidget {
            std::function<void()> after);
   /// True while something is being done or waits.
   bool busy() const { return !waiting_.empty(); }
-  /// Asks the present one to stop; those that wait go on.
+  /// Stops the present one; waiting ones follow.
   void cancel();
-  /// Asks all of them to stop.
+  /// Stops all of them.
   void cancel_all();
 
  signals:

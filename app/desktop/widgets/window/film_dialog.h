@@ -27,8 +27,9 @@ class FileChooser;
 std::string between(const std::string& path, const std::string& from, const std::string& to,
                     double share);
 
-/// One parameter moved from a value to another as a film: a picture of each step, as files, or put
-/// together to a film by ffmpeg where that is installed. The scene is as before at the end.
+/// A film of one parameter that moves from one value to another. Each step gives a picture. The
+/// pictures become files, or a film by ffmpeg if that is installed. At the end the scene is as
+/// before.
 class FilmDialog : public QDialog {
   Q_OBJECT
  public:

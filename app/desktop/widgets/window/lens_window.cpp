@@ -36,9 +36,9 @@ std::string camera_path(const Document& document) {
   return "camera";
 }
 
-/// Frequencies [1/m] in which the contrast falls: a spot of RMS radius r that is as dense as a bell
-/// has exp(-(pi r f)^2), a two-hundredth of which is left at 0.73 / r. Beyond that the few hundred
-/// rays of a spot tell nothing.
+/// Range of frequencies [1/m] in which the contrast falls. A Gaussian spot of RMS radius r has
+/// exp(-(pi r f)^2), of which a two-hundredth is left at 0.73 / r. Beyond that the few hundred rays
+/// of a spot carry no information.
 double shown_frequency(const std::array<const LensFieldDesign*, 3>& fields) {
   double least = kInfinity;
   for (const LensFieldDesign* field : fields) least = std::min(least, field->rms);

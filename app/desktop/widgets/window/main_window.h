@@ -35,8 +35,8 @@ class SidePanel;
 class ViewCommands;
 class WelcomePage;
 
-/// The window. It shows the session and passes on what the user does; messages go to its status bar
-/// or, when something that was asked for did not work, into a dialog.
+/// The window. It shows the session and passes on the user's actions. Messages go to its status bar
+/// or, when a requested action failed, into a dialog.
 class MainWindow : public QMainWindow {
   Q_OBJECT
  public:
@@ -75,13 +75,14 @@ class MainWindow : public QMainWindow {
   /// Offers what was left behind by a program that ended without saving. @return whether it was
   /// taken, and is open now
   bool offer_recovery();
-  /// Begins the program: what was left behind is offered first, and when it is taken the
-  /// file, whose place it has, is not opened, which is said.
-  /// @param file empty: none was given  @return whether something was opened, or begun to be
+  /// Begins the program. It first offers the recovered scene. If the user takes it, the file is not
+  /// opened, and a message says so.
+  /// @param file empty: none was given
+  /// @return whether something was opened, or begun to be
   bool begin(const QString& file, const std::function<void()>& then = {});
   /// True while files are being read or written.
   bool is_file_busy() const;
-  /// Everything that was asked for is on display: nothing is being computed.
+  /// Every request is on display: nothing is being computed.
   bool is_settled() const;
   /// Questions are answered with yes and dialogs are not shown but kept: for tests and screenshots.
   void set_unattended(bool on) { unattended_ = on; }
@@ -147,7 +148,7 @@ class MainWindow : public QMainWindow {
   void generate_flame();
   void import_flame();
   void map_grids(int flame);
-  /// A folder to write into: whether files of it are replaced is asked.
+  /// A folder to write into. Asks before files in it are replaced.
   QString folder_to_fill(const QString& title);
   void say_written(const QString& name);
   void select_lens_at(int column, int row);
@@ -167,7 +168,7 @@ class MainWindow : public QMainWindow {
   SectionView* section_ = nullptr;
   SidePanel* side_ = nullptr;
   QSplitter* split_ = nullptr;        ///< side panel, 3-D, light field
-  QVBoxLayout* workspace_ = nullptr;  ///< split_, and what stands below it
+  QVBoxLayout* workspace_ = nullptr;  ///< split_, and the widgets below it
   ViewCommands* view_commands_ = nullptr;
   ScenePanel* scene_ = nullptr;
   RaysPanel* rays_ = nullptr;

@@ -170,8 +170,8 @@ void MainWindow::make_film() {
     emit white->editingFinished();
   };
   const auto white_is_typed = std::make_shared<bool>(false);
-  // Pictures on the way to the finished one are not filmed and would only take time, as would the
-  // 3-D view where another one is filmed.
+  // Intermediate pictures are not filmed and would only take time. So would the 3-D view while
+  // another one is filmed.
   connect(film, &FilmDialog::began, this, [=, this](bool space) {
     session_.render().set_finished_only(true);
     scene_view_->hold(!space);

@@ -34,7 +34,7 @@ class PosterDialog : public QDialog {
   QCheckBox* scale_bar_;
 };
 
-/// Draws the contents of both views anew, as finely as the size asks for.
+/// Redraws the contents of both views in the resolution of the poster.
 QImage make_poster(const Poster& poster, SceneView& scene, const ImagePanel& image);
 
 }  // namespace plenoflame::desktop

@@ -16,8 +16,8 @@ struct Preferences {
 Preferences preferences_of(const QSettings& settings);
 void keep_preferences(const Preferences& preferences, QSettings& settings);
 
-/// Theme, size of texts (large for a lecture), threads. What is changed holds at once; Cancel takes
-/// it back.
+/// Theme, size of texts (large for a lecture), threads. Changes take effect at once; Cancel reverts
+/// them.
 class PreferencesDialog : public QDialog {
   Q_OBJECT
  public:

@@ -16,7 +16,7 @@ except ImportError as _missing:
     except ImportError:
         raise _missing from None
     vtk = None
-    # Where the half with VTK was built and could not be loaded, the reason is worth knowing.
+    # If the half with VTK was built and could not be loaded, the message gives the reason.
     _why = f" ({_missing})" if importlib.util.find_spec(__package__ + ".vtkPlenoflame") else ""
     from . import _plain_data as data
 else:

@@ -17,8 +17,8 @@ class Communicator {
   virtual ~Communicator() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
-  /// Hands over a message and does not wait until it has come. Those from one rank to another come
-  /// in their order.
+  /// Hands over a message and does not wait until it has arrived. Messages from one rank to another
+  /// arrive in the order in which they were sent.
   virtual void send(int to, std::string bytes) = 0;
   /// A message that has come, from any rank; none when there is no further one. Does not wait.
   virtual std::optional<RankMessage> receive() = 0;

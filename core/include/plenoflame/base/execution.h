@@ -31,8 +31,8 @@ struct Execution {
   void warn(const std::string& text) const {
     if (message) message(Severity::warning, text);
   }
-  /// As many threads, but nothing that ends or reports: for what is wanted also after a stop, such
-  /// as the picture of what was rendered before it.
+  /// The same number of threads, without stop and reports. For work that is also needed after a
+  /// stop, such as writing the picture rendered so far.
   Execution threads_only() const {
     Execution inner;
     inner.threads = threads;

@@ -3,8 +3,8 @@
 
 namespace plenoflame {
 
-/// One of several parts of a piece of work, such as the tasks of a job array: which items belong to
-/// it is a fixed rule, so that all parts together are the whole, whoever does which.
+/// One of several parts of a piece of work, such as the tasks of a job array. A fixed rule tells
+/// which items belong to a part, so all parts together make the whole on any machines.
 struct Part {
   int number = 1;  ///< 1 to count
   int count = 1;

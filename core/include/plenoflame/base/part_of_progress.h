@@ -11,7 +11,7 @@ inline void report_fraction(const Execution& execution, double fraction) {
   execution.progress(progress);
 }
 
-/// As many threads and the same stop, for a step whose progress and messages nobody sees.
+/// The same threads and stop, for a step without visible progress and messages.
 inline Execution without_reports(const Execution& execution) {
   Execution quiet = execution.threads_only();
   quiet.stop = execution.stop;

@@ -4,10 +4,10 @@
 
 namespace plenoflame {
 
-/// Text from a file as it can be shown on a terminal or in a log without acting there: control
-/// characters (C0, DEL, C1), line and paragraph separators and the marks that turn the direction
-/// of writing become `\u001b` and the like, bytes that are not UTF-8 `\xe9`. In strings of JSON
-/// and TOML the former mean the same characters.
+/// Makes text from a file safe to show on a terminal or in a log. Control characters (C0, DEL, C1),
+/// line and paragraph separators and marks of writing direction become `\u001b` and the like. Bytes
+/// that are not UTF-8 become `\xe9` and the like. In strings of JSON and TOML the \u form means the
+/// same character.
 /// @param keep_lines line ends and tabs stay as they are
 std::string printable(std::string_view text, bool keep_lines = false);
 

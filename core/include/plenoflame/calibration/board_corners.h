@@ -30,19 +30,20 @@ struct BoardCorners {
   std::vector<BoardCorner> corners;
   std::size_t marks = 0;   ///< saddles or dots in micro-images, with those of no board
   std::size_t points = 0;  ///< different points of the board
-  /// Every point of the board was found, so that its first one is known (of a checkerboard with an
-  /// odd sum of columns and rows without doubt, of others up to half a turn).
+  /// True if every point of the board was found. The first point is then known: uniquely for a
+  /// checkerboard with an odd sum of columns and rows, up to half a turn for others.
   bool whole = false;
-  double distance = 0;  ///< [m] about, from the lens to the board, as the camera has it
+  double distance = 0;  ///< [m] about, from the lens to the board, by this camera
 };
 
-/// Finds the points of a board in a raw picture: marks in micro-images, each a line in front of the
-/// camera; the plane on which lines through neighbouring microlenses meet; on it the grid.
-/// @param light of the raw picture, its dark level taken away and, where it may be, the vignetting
-///        of micro-images divided out
-/// @param camera with an array, near enough to the real one that its micro-images lie where those
-///        of the picture do (calibrate white)
-/// @throws InputError saying what was seen where no board is found; Cancelled
+/// Finds the points of a board in a raw picture. Each mark in a micro-image is a line in front of
+/// the camera. The board is the plane on which lines through neighbouring microlenses meet; the
+/// grid is found on it.
+/// @param light of the raw picture without its dark level; divide out the vignetting of
+///        micro-images if possible
+/// @param camera with an array, so near to the real one that its micro-images lie at those of the
+///        picture (calibrate white)
+/// @throws InputError if no board is found, with a description of what was seen; Cancelled
 BoardCorners find_board(const Image& light, const CameraSpec& camera, const BoardSpec& board,
                         const Execution& execution = {});
 

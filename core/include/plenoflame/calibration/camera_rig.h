@@ -15,7 +15,7 @@ struct RelativePose {
 };
 
 /// @param first, second boards to camera, of the same boards in the same order
-/// @param size [m] of the boards, about: rotations count by what they move over it
+/// @param size [m] of the boards, about: a rotation counts by the displacement at this distance
 /// @throws InputError without a board
 RelativePose register_cameras(const std::vector<RigidTransform>& first,
                               const std::vector<RigidTransform>& second, double size);

@@ -50,8 +50,8 @@ class FrameSums {
   std::vector<std::uint8_t> state_;
 };
 
-/// The dependence of the scatter of a sensor's counts on their mean: variance = floor + slope *
-/// mean, mean above the dark level; 1 / slope is the gain [electrons per count] (photon transfer;
+/// Variance of a sensor's counts as a function of their mean: variance = floor + slope * mean. The
+/// mean is above the dark level; 1 / slope is the gain [electrons per count] (photon transfer;
 /// Janesick, Photon Transfer, SPIE 2007, chapter 5).
 struct PhotonTransfer {
   double floor = 0;        ///< [counts^2] of dark pixels: read noise and rounding
@@ -60,8 +60,8 @@ struct PhotonTransfer {
   double excess = 0;       ///< reduced chi-square of the fit; 1 is expected of a linear relation
 };
 
-/// Fits it to the scatter of a series over all good pixels: medians would be biased, so means of
-/// groups of pixels alike in brightness are, weighted by their expected errors.
+/// Fits it to the scatter of a series over all good pixels. The fit uses means over groups of
+/// equally bright pixels, weighted by their expected errors. Medians would be biased.
 /// @param dark [counts] of each pixel, or its level where the image is empty
 /// @throws InputError: fewer than two frames, or pixels all of one brightness
 PhotonTransfer fit_photon_transfer(const CountFrames& series, std::size_t channel,

@@ -35,23 +35,24 @@ struct BoardPose {
 struct CalibratedValue {
   std::string key;
   double value = 0;
-  double error = 0;  ///< standard deviation; GeometryCalibration tells of what
+  double error = 0;  ///< standard deviation; GeometryCalibration tells its contents
 };
 
-/// Stands for the values that are searched for without any name.
+/// Name of the values that are fitted by default.
 inline constexpr const char* kUsualValues = "usual";
 
 struct GeometrySettings {
-  /// Keys of what is searched for, those of calibrated_keys() or what stands before a dot or
-  /// bracket of theirs, and kUsualValues. Empty: the usual ones: distances, focal length and
-  /// decentre, of the array what centres tell, distortion where the camera has some to start with.
+  /// Keys of the fitted values: those of calibrated_keys(), their parts before a dot or bracket,
+  /// and kUsualValues. Empty: the usual ones. These are distances, focal length, decentre, and the
+  /// array's values that centres determine. Distortion is one of them if the camera has some at the
+  /// start.
   std::vector<std::string> free;
   double outlier = 6;  ///< corners farther off than this many times the RMS are left out; 0: none
   /// Standard deviation of the lens' distance from the array over the exit pupil's. In the model
   /// the chief rays cross in the middle of the lens, where the quotient is 1. In a real lens they
   /// cross elsewhere. 0 for a thin lens with its stop.
   double pupil = 0.3;
-  /// Radii of white micro-images, which tell how far the sensor is from the array.
+  /// Radii of white micro-images, which determine the distance of the sensor from the array.
   std::vector<RadiusObservation> radii;
   double f_number = 0.03;  ///< relative standard deviation of what all f-numbers share
 };
@@ -97,17 +98,18 @@ struct GeometryCalibration {
   int steps = 0;
 };
 
-/// Keys of all values that can be searched for.
+/// Keys of all values that can be fitted.
 std::vector<std::string> calibrated_keys();
 
-/// Camera and poses of the boards with which exact rays through the middles of the microlenses meet
-/// the corners: least squares over all of them together (Levenberg and Marquardt), centres of
-/// micro-images with them.
+/// Fits camera and board poses so that exact rays through the middles of the microlenses meet the
+/// corners and the centres of micro-images. Joint least squares (Levenberg and Marquardt).
 /// @param start a thin ideal main lens and ideal microlenses, near enough that corners are found in
 ///        the right micro-images; poses begin with a homography
-/// @throws InputError for another camera, too few corners, and where a value is not determined by
-///         the observations: it names those that go together; lengths that became twice or half of
-///         what they were, and a camera that explains less than the one to start with
+/// @throws InputError for another kind of camera and for too few corners
+/// @throws InputError for values that the observations do not determine; it names those that depend
+///         on each other
+/// @throws InputError for lengths that doubled or halved, and for a camera that explains the
+///         observations worse than `start`
 GeometryCalibration calibrate_geometry(const CameraSpec& start,
                                        const std::vector<CornerObservation>& corners,
                                        const std::vector<CentreObservation>& centres,

@@ -4,9 +4,9 @@
 
 namespace plenoflame {
 
-/// A lattice of micro-images as the middle of a white picture shows it, in pixels of the upright
+/// A lattice of micro-images in the middle of a white picture. Lengths are pixels of the upright
 /// picture: x to the right, y down, pixel (0, 0) has its centre at (0.5, 0.5). Its steps are 60
-/// degrees apart (hexagonal) or 90 (square), step_i is the one nearest to +x.
+/// degrees apart (hexagonal) or 90 (square); step_i is the one nearest to +x.
 struct LatticeGuess {
   bool hexagonal = false;
   Vec2 origin;          ///< [pixel] of a micro-image near the middle
@@ -22,7 +22,7 @@ struct LatticeGuess {
 
 /// Finds the lattice by the autocorrelation of the picture's middle (1024 pixels a side at most):
 /// noise, vignetting and dust do not repeat. Pitches from 4 pixels to a fifth of that side.
-/// @throws InputError that says what was seen where no lattice is
+/// @throws InputError if there is no lattice, with a description of what was seen
 LatticeGuess find_lattice(const Image& white);
 
 }  // namespace plenoflame

@@ -29,8 +29,8 @@ struct EvaluatedPixels {
   MosaicPattern mosaic = MosaicPattern::none;
   int colour = 0;           ///< of the mosaic
   std::size_t channel = 0;  ///< of the pictures
-  /// Flat field and white picture that even out all pictures as import_counts() does with them, so
-  /// that its watts are of this scale: what counts is the light of the pixel in the middle of all.
+  /// Flat field and white picture. They correct all pictures as import_counts() does, so that its
+  /// watts have this scale.
   RawCorrections corrections;
   SensorResponse sensor;  ///< by which their noise is known
 };
@@ -48,13 +48,13 @@ struct RadiometryFit {
       0;  ///< of pictures of known radiance, per degree of freedom; 0: none is left
 };
 
-/// Counts c above dark are taken as E L t / J / (1 + k c): J, energy per count, from the pictures
-/// of known radiance, the curvature k from pictures of one unknown radiance at three exposures or
-/// more (`whites`), else from three or more of known radiance whose counts differ enough; else 0.
-/// Pixels are those whose etendue is at least 0.8 of the largest, and that no picture saturates;
-/// with corrections those of which they say something.
-/// @param common relative standard error of what all pictures share: emissivity, the camera's
-/// etendue
+/// Counts c above dark are modelled as E L t / J / (1 + k c) with the energy per count J and the
+/// curvature k. J follows from the pictures of known radiance. k follows from pictures of one
+/// unknown radiance at three or more exposures (`whites`). Without them, it follows from three or
+/// more pictures of known radiance with sufficiently different counts; otherwise k is 0. Pixels
+/// count if their etendue is at least 0.8 of the largest and no picture saturates them. With
+/// corrections, flat field and white picture must be valid there.
+/// @param common relative standard error that all pictures share: emissivity, the camera's etendue
 /// @throws InputError: no such pixels, exposure missing, a picture no brighter than dark
 RadiometryFit fit_radiometry(const std::vector<SourcePicture>& sources,
                              const std::vector<SourcePicture>& whites,

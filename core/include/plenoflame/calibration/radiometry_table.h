@@ -4,7 +4,7 @@
 
 namespace plenoflame {
 
-/// The energy that a count of one channel stands for.
+/// The energy per count of one channel.
 struct ChannelScale {
   std::string channel;          ///< by name
   double joules_per_count = 0;  ///< [J] radiant energy on the pixel for one count above dark

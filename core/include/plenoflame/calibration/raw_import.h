@@ -63,17 +63,17 @@ struct ImportSummary {
   std::size_t too_dark = 0;     ///< of the defective ones: darker in flat or white than they can be
   std::size_t negative = 0;     ///< pixels below 0 by more than 5 standard errors
   double largest = 0;           ///< [unit] of the good pixels
-  double dark_level = 0;        ///< [counts] mean of what was taken away
+  double dark_level = 0;        ///< [counts] mean of the subtracted level
   double white_correction = 0;  ///< RMS of the factor that makes up for the white picture, from 1
 };
 
-/// Counts as a light field: channels with their standard errors, the layer "sensor.state"
-/// (PixelState of each pixel, which reconstruct leaves out where it is not good). Pixels that are
-/// defective hold the mean of their neighbours, for pictures to look at. Of a mosaic every channel
-/// has a value at every pixel, the mean of its neighbours of that colour, and the layer
-/// "sensor.raw" what was recorded.
-/// @throws InputError: pictures that do not fit together or are not what they are taken for, gain
-/// or exposure missing, too many defects
+/// Turns counts into a light field: channels with their standard errors and the layer
+/// "sensor.state". The layer holds the PixelState of each pixel; reconstruct skips pixels that are
+/// not good. Defective pixels hold the mean of their neighbours, for display only. For a mosaic,
+/// every channel has a value at every pixel: the mean of its neighbours of that colour. The layer
+/// "sensor.raw" then holds the recorded values.
+/// @throws InputError: pictures that do not fit together or have the wrong content, missing gain or
+///         exposure, too many defects
 LightField import_counts(const CountFrames& raw, const RawCorrections& corrections,
                          const ImportSettings& settings, ImportSummary& summary);
 

@@ -34,9 +34,9 @@ struct Registration {
   double median_shift = 0;
 };
 
-/// Fits a measured to a simulated picture of the same window, over the whole and for each
-/// micro-image: gain and a shift by parts of a pixel, by least squares; between pixels the
-/// simulated picture is a cubic (Keys, IEEE Trans. ASSP 29 (1981), 1153).
+/// Fits a measured to a simulated picture of the same window by least squares. The result is gain
+/// and sub-pixel shift, for the whole window and for each micro-image. The simulated picture is
+/// interpolated by cubics (Keys, IEEE Trans. ASSP 29 (1981), 1153).
 /// @throws InputError where the sizes differ, or the simulated picture has no light; Cancelled
 Registration register_pictures(const Image& measured, const Image& simulated,
                                const PixelWindow& window, const MicroImages& micro_images,

@@ -25,12 +25,12 @@ struct MicroImageFit {
   int type = 0;
 };
 
-/// The places of micro-images: the plane of the array seen from the exit pupil (a homography, which
-/// a tilted array has), then distorted about the picture's middle.
+/// The places of micro-images. The plane of the array is seen from the exit pupil (a homography,
+/// because the array may be tilted), then distorted about the picture's middle.
 struct LatticeModel {
   bool hexagonal = false;
-  /// x = (h0 u + h1 v + h2) / (1 + h6 u + h7 v), y = (h3 u + h4 v + h5) / (...), with (u, v) =
-  /// (i + j/2, j sin 60) / scale (hexagonal) or (i, j) / scale
+  /// x = (h0 u + h1 v + h2) / (1 + h6 u + h7 v), y = (h3 u + h4 v + h5) / (...). Here (u, v) is (i
+  /// + j/2, j sin 60) / scale (hexagonal) or (i, j) / scale.
   std::array<double, 8> homography{};
   double scale = 1;
   Vec2 middle;       ///< [pixel] of the picture
@@ -59,15 +59,15 @@ struct WhiteLattice {
   double worst = 0;  ///< [pixel] of these
   /// [pixel] near the middle, along i and j, and the angle of step i from x towards y [rad]
   double pitch_i = 0, pitch_j = 0, rotation = 0;
-  std::vector<TypeLooks> types;  ///< one, or as many as the looks tell apart
+  std::vector<TypeLooks> types;  ///< one, or the number of types that can be distinguished
 };
 
 /// Measures all micro-images and fits the model. The result does not depend on threads.
-/// @param white light alone (dark taken away), colours of a mosaic made equal
-/// @throws InputError that says what was seen where there is no lattice; Cancelled
+/// @param white light alone (dark subtracted), colours of a mosaic made equal
+/// @throws InputError if there is no lattice, with a description of what was seen; Cancelled
 WhiteLattice measure_white(const Image& white, const Execution& execution = {});
 
-/// The model of centres that another program found, in any order. Types are not told apart.
+/// The model of centres that another program found, in any order. All count as one type.
 /// @throws InputError: too few, outside of the picture, or no lattice
 WhiteLattice lattice_of_centres(const std::vector<Vec2>& centres, int width, int height);
 

@@ -6,13 +6,13 @@
 
 namespace plenoflame {
 
-/// Radius of the micro-images of one type in a white picture: that of the even disc with the same
-/// second moment. A micro-image is the stop's image, blurred by the microlens' defocus: the square
-/// of its radius is the sum of both squares.
+/// Radius of the micro-images of one type in a white picture. It belongs to the uniform disc with
+/// the same second moment. A micro-image is the stop's image, blurred by the microlens' defocus, so
+/// its squared radius is the sum of both squares.
 struct RadiusObservation {
   double f_number = 0;
   std::size_t type = 0;  ///< of the microlens
-  double radius = 0;     ///< [pixel], the pixel's own width taken away
+  double radius = 0;     ///< [pixel], without the pixel's own width
   double error = 0;      ///< [pixel] standard deviation
 };
 
@@ -23,9 +23,9 @@ struct RadiiSlope {
   std::vector<double> blur;   ///< [pixel] radius of each type's blur; NaN for a type without radii
 };
 
-/// @param f_number relative standard deviation of what all f-numbers share
-/// @throws InputError where the radii do not tell a slope: one aperture alone, or radii that shrink
-///         as the stop opens
+/// @param f_number relative standard deviation that all f-numbers share
+/// @throws InputError if the radii do not determine a slope: one aperture alone, or radii that
+///         shrink as the stop opens
 RadiiSlope radii_slope(const std::vector<RadiusObservation>& radii, double f_number);
 
 /// The slope that a camera with a thin lens has [pixel].

@@ -32,15 +32,15 @@ double thick_focal_length(const MicrolensShape& shape);
 std::vector<double> joined_focal_lengths(double first, double sensor_distance, double diameter,
                                          double pixel, int count);
 
-/// The lens with this focal length that differs from `shape` in one property only, in closed form:
-/// a quadratic equation for the index and for the radius, a linear one for the thickness.
-/// @throws InputError when there is none within the limits, saying what it would take
+/// Finds the lens with this focal length that differs from `shape` in one property only. Closed
+/// form: a quadratic equation for the index and for the radius, a linear one for the thickness.
+/// @throws InputError if none lies within the limits; it names the value that would be needed
 MicrolensShape solve_microlens(const MicrolensShape& shape, double focal_length, double diameter,
                                MicrolensFreedom freedom, const MicrolensLimits& limits);
 
-/// Depth of field of a real microlens by rays: where the image of an axial point, as the diameter
-/// of the uniform disc of the same RMS radius, is at most a pixel. Distances from the front
-/// principal plane, as depth_of_field() has them.
+/// Depth of field of a real microlens, by traced rays: the range in which the image of an axial
+/// point is at most a pixel. The image's size is the diameter of the uniform disc of the same RMS
+/// radius. Distances are from the front principal plane, as in depth_of_field().
 /// @param gap rear vertex to the sensor [m]
 /// @return nothing when the lens is never sharp to a pixel
 std::optional<SharpRange> traced_depth_of_field(const MicrolensShape& shape, double gap,
@@ -48,7 +48,7 @@ std::optional<SharpRange> traced_depth_of_field(const MicrolensShape& shape, dou
 
 /// One type of an array that was solved for.
 struct SolvedType {
-  double target = 0;  ///< [m] focal length that the rule asks for
+  double target = 0;  ///< [m] focal length by the rule
   MicrolensShape shape;
   SharpRange rule;  ///< depth of field by the formulas, with the B of the first type
   std::optional<SharpRange> traced;  ///< by rays, with the sensor where it is

@@ -21,8 +21,8 @@ struct IdealLens {
   double rear_principal = 0;   ///< z of the principal plane on the sensor's side [m]
   double front_principal = 0;  ///< z of the one on the scene's side [m]
   double focal_length = 0;     ///< [m]
-  /// A ray with height h and slope s at the rear principal plane (towards the scene) meets the
-  /// stop, up to scale, at stop_height * h + stop_slope * s; it passes within stop_radius.
+  /// A ray has height h and slope s at the rear principal plane (towards the scene). It meets the
+  /// stop at stop_height * h + stop_slope * s, up to scale, and passes within stop_radius.
   double stop_height = 1;
   double stop_slope = 0;   ///< [m]
   double stop_radius = 0;  ///< [m]
@@ -84,13 +84,13 @@ class Camera {
   const LensDistortion& distortion() const { return distortion_; }
   /// The same camera without distortion: light takes the same ways within it.
   Camera undistorted() const;
-  /// The same camera, mounted and made perfectly in this respect, with the round counterpart of its
-  /// main lens (surface_shape.h); rotation, offset, spacing and centre jitter stay.
+  /// The same camera without errors of mounting and making, with the round counterpart of its main
+  /// lens (surface_shape.h). Rotation, offset, spacing and centre jitter stay.
   Camera aligned() const;
   /// The same camera with circles around its microlenses, which may overlap.
   Camera with_circles() const;
-  /// The place at which the light of the main lens falls straight on the array [m], camera x, y:
-  /// below the exit pupil; (0, 0) unless the main lens is moved.
+  /// The place where the light of the main lens meets the array at a right angle [m], camera x, y.
+  /// It lies below the exit pupil: (0, 0) unless the main lens is moved.
   Vec2 foot() const { return foot_; }
   double array_front() const { return array_front_; }  ///< z of the front vertices [m]
   double array_back() const { return array_back_; }    ///< z of the rear vertices [m]
@@ -98,15 +98,14 @@ class Camera {
   /// Rear vertex of the main lens to the front vertices of the array (or to the sensor) [m].
   double lens_distance() const { return lens_distance_; }
 
-  /// Number of surfaces from the scene to the sensor: those of the main lens (an ideal one counts
-  /// as one), then front and back of a microlens (an ideal one counts as one).
+  /// Number of surfaces from the scene to the sensor: those of the main lens, then front and back
+  /// of a microlens. An ideal lens counts as one surface.
   int surface_count() const;
   std::string surface_name(int surface) const;
 
-  /// Plane on which directions are aimed at from a sensor point: the rear vertices (real
-  /// microlenses), the rear principal plane of the type (ideal ones), or, without array, the plane
-  /// of the main lens' rear vertex. With a tilted array the plane of each lens is parallel to this
-  /// one, through lens_place().
+  /// Plane at which rays from a sensor point are aimed. Real microlenses: the rear vertices. Ideal
+  /// ones: the rear principal plane of the type. Without array: the plane of the main lens' rear
+  /// vertex. With a tilted array each lens has a plane parallel to this one, through lens_place().
   double aim_plane(int type) const;
 
   struct Path {
@@ -118,13 +117,13 @@ class Camera {
     int pupil_part = 0;  ///< PupilFilters::part_at() where it crossed the stop
   };
   /// The ray from `sensor_point` [m, camera x, y] towards `aim` on the aim plane, through microlens
-  /// `lens`; none: there is no array, or the ray passes between its lenses. Exact, in double
-  /// precision.
+  /// `lens`. Without `lens`: there is no array, or the ray passes between its lenses. Exact, in
+  /// double precision.
   Path trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
              bool with_points = false) const;
 
   /// Place in the plane of the stop, from its middle [m], of the ray from a sensor point through
-  /// the middle of a microlens; for an ideal main lens up to scale. None: it does not get there.
+  /// the middle of a microlens. Up to scale for an ideal main lens. None: the ray is blocked.
   std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens) const;
   /// The same of the ray towards `aim` on the aim plane [m, camera x, y].
   std::optional<Vec2> at_stop(Vec2 sensor_point, LensIndex lens, Vec2 aim) const;
@@ -133,20 +132,21 @@ class Camera {
   struct Arrival {
     std::optional<LensIndex> lens;  ///< through which it went; none: no array, or between lenses
     Vec2 sensor_point;              ///< [m] camera x, y
-    /// Solid angle times projected area of a thin beam around the ray on the sensor, over that in
-    /// the scene: 1 for refraction, cos^4 / cos^4 of the angles with the axis for the paraxial
-    /// transform. A beam's flux changes by it, its radiance does not. Times the share that surfaces
-    /// and the cover glass let through.
+    /// Solid angle times projected area of a thin beam around the ray, on the sensor over that in
+    /// the scene. It is 1 for refraction and cos^4 / cos^4 of the angles with the axis for the
+    /// paraxial transform. It changes the beam's flux, but not its radiance. The transmission of
+    /// surfaces and cover glass is multiplied in.
     double etendue_ratio = 1;
     int pupil_part = 0;  ///< PupilFilters::part_at() where it crossed the stop
   };
-  /// Traces a ray that comes from the scene (camera frame, direction towards -z) to the plane of
-  /// the sensor, in double precision: the way of trace(), backwards. Appends where it arrives:
-  /// through every microlens that lets it pass (one, but for ideal ones whose principal planes
-  /// differ), or between them where the array is clear there.
-  /// @param points gets where it met each surface, and the sensor point of its first arrival; the
-  ///        last one is no place at all when the status is missed
-  /// @return why it went no further when it does not arrive; surface numbered from the scene
+  /// Traces a ray that comes from the scene to the plane of the sensor, in double precision: the
+  /// reverse of trace(). The ray is in the camera frame and travels towards -z. Appends the
+  /// arrivals through every microlens that lets the ray pass. There is one, or several for ideal
+  /// types with different principal planes. Between microlenses the ray arrives where the array is
+  /// clear.
+  /// @param points gets the points where the ray met each surface, and the sensor point of its
+  ///        first arrival. With status missed, the last point is meaningless
+  /// @return why the ray ended if it does not arrive; surfaces are numbered from the scene
   TraceStatus trace_from_scene(const Ray& ray, std::vector<Arrival>& arrivals,
                                std::vector<Vec3>* points = nullptr) const;
 
@@ -211,8 +211,8 @@ class Camera {
   Vec2 foot_;
 };
 
-/// Distance of the main lens' rear vertex from the plane of least RMS spot of the axial point at
-/// `object_distance` in front of the first vertex (may be infinite), by real rays [m].
+/// Distance of the main lens' rear vertex from the plane of least RMS spot, by real rays [m]. The
+/// object is the axial point at `object_distance` in front of the first vertex (may be infinite).
 /// @throws InputError when no ray gets through.
 double best_image_distance(const MainLensSpec& lens, double object_distance);
 

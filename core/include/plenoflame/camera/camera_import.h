@@ -25,14 +25,15 @@ struct ImportedCamera {
   std::string scene_text;  ///< not empty: the file holds a whole scene (TOML), `camera` is none
 };
 
-/// Puts a camera together from what calibration files say: an ideal thin main lens, ideal
-/// microlenses, and what is known of their places. What a file does not say, a later one may.
-/// @param given values that replace those of the files: lens.focal_length, lens.diameter,
-///        focus.lens_distance or focus.object_distance, array.pitch, array.sensor_distance, focal
-///        lengths of array.types, columns, rows and pixel pitch of the sensor; 0: not given
-/// @param format of the files by name; empty: found by their content
-/// @throws FileError, InputError with file and line; InputError that lists every value that is
-///         missing, with its key
+/// Assembles a camera from calibration files: an ideal thin main lens, ideal microlenses and their
+/// known places. A later file may give what an earlier one does not.
+/// @param given values that replace those of the files; 0: not given. They are lens.focal_length,
+///        lens.diameter, focus.lens_distance or focus.object_distance, array.pitch,
+///        array.sensor_distance, focal lengths of array.types. For the sensor: columns, rows and
+///        pixel pitch
+/// @param format of the files by name; empty: recognised by their content
+/// @throws FileError, InputError with file and line; InputError that lists every missing value with
+///         its key
 ImportedCamera import_camera(const std::vector<std::string>& files, const CameraSpec& given,
                              std::string_view format = {});
 

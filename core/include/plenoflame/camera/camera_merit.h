@@ -9,15 +9,14 @@ namespace plenoflame {
 
 /// Figures by which a camera is judged. All merits are better when greater.
 enum class MeritKind {
-  /// Depth of field: minus the mean of (blur / pixel - 1)^2 where no type is sharp to a pixel, over
-  /// equal steps of 1/a in `array_range`: 0 when the types' ranges cover it without a gap.
-  /// Paraxial.
+  /// Depth of field, paraxial: minus the mean of (blur / pixel - 1)^2 over equal steps of 1/a in
+  /// `array_range`. Only depths at which no type is sharp to a pixel count, so 0 means that the
+  /// types' ranges have no gap.
   depth,
   /// The least effective resolution (one axis, best type) over `near` to `far`.
   resolution,
-  /// Resolved pixels along the height of a flame, at its worst depth: effective resolution times
-  /// the
-  /// pixels that its image covers, reduced by what falls off the sensor.
+  /// Resolved pixels along the height of a flame, at its worst depth. This is the effective
+  /// resolution times the pixels that the flame's image covers on the sensor.
   volume,
   /// Light per pixel, pi sin^2 of the cone behind the array [sr].
   light,

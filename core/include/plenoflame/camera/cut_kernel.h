@@ -3,9 +3,10 @@
 
 namespace plenoflame {
 
-/// Cuts of the aperture over the distance from the micro-image's centre (PupilCut), as kernels look
-/// them up: with d in steps from `opens`, and k its whole part in [0, 15], side j of the cut is
-/// value[j][k] + rise[j][k] (d - k), the last factor in [0, 1].
+/// Cuts of the aperture over the distance from the micro-image's centre (PupilCut), in the form in
+/// which kernels look them up. Let d be the distance in steps from `opens`, and k its integer part
+/// in [0, 15]. Side j of the cut is value[j][k] + rise[j][k] (d - k), the last factor clamped to
+/// [0, 1].
 struct CutColumn {
   static constexpr int kSteps = 16;
   alignas(64) float value[4][kSteps], rise[4][kSteps];  ///< [m]

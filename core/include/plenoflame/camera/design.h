@@ -45,8 +45,8 @@ struct SpotDesign {
   double shift = 0;         ///< [m] of the plane from the paraxial image towards the lens
 };
 
-/// Microlenses whose whole micro-image lies on the sensor, if they were arranged so, and the share
-/// of the sensor that these micro-images cover (as discs of their diameter, at most touching).
+/// Number of micro-images that fit wholly on the sensor in this arrangement, and the share of the
+/// sensor that they cover. They count as discs of their diameter that touch at most.
 struct LatticeDesign {
   int lenses = 0;
   double used_share = 0;
@@ -89,9 +89,10 @@ SharpRange depth_of_field(double focal_length, double sensor_distance, double di
 /// first vertex, negative past infinity. Inverse of paraxial_image_distance().
 double paraxial_object_distance(const FirstOrder& lens, double image_distance);
 
-/// Least RMS spot of the object point at `object_distance` in front of the first vertex (may be
-/// infinite) whose paraxial image is at `image_height`. @throws InputError when no ray gets through
-/// @param rings of rays in the pupil: 2000 give the RMS radius to 0.1 % also where rays are cut off
+/// Least RMS spot of the object point whose paraxial image is at `image_height`. The point is
+/// `object_distance` in front of the first vertex (may be infinite).
+/// @throws InputError when no ray gets through
+/// @param rings of rays in the pupil: 2000 give the RMS radius to 0.1 % also where rays are blocked
 SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_distance,
                      double image_height, int rings = 2000);
 

@@ -8,13 +8,15 @@ namespace plenoflame {
 
 /// Distortion of the main lens as a map of rays outside of it, in the frame of the lens.
 ///
-/// A ray keeps the place p at which it crosses the plane of the entrance pupil. The plane in which
-/// objects stay sharp is seen from the pupil's middle in directions u = (dx/dz, dy/dz); a point in
-/// direction u is imaged where the lens without distortion would image direction v = distorted(u)
-/// (D. C. Brown, "Close-range camera calibration", Photogrammetric Engineering 37 (1971) 855):
+/// A ray keeps the place p at which it crosses the plane of the entrance pupil. From the pupil's
+/// middle, points of the plane in focus are seen in directions u = (dx/dz, dy/dz). The point in
+/// direction u is imaged where the lens without distortion images direction v = distorted(u) (D. C.
+/// Brown, "Close-range camera calibration", Photogrammetric Engineering 37 (1971) 855):
 ///
 ///     v = u (1 + k1 r^2 + k2 r^4 + k3 r^6) + (2 p1 x y + p2 (r^2 + 2 x^2),
-///                                             p1 (r^2 + 2 y^2) + 2 p2 x y),  u = (x, y), r = |u|
+///                                             p1 (r^2 + 2 y^2) + 2 p2 x y)
+///
+/// with u = (x, y) and r = |u|.
 class LensDistortion {
  public:
   LensDistortion() = default;  ///< none

@@ -6,8 +6,8 @@
 
 namespace plenoflame {
 
-/// The clear aperture of every microlens of an array, about its centre in the array's axes: a
-/// circle, or what lies between pairs of parallel sides.
+/// The clear aperture of every microlens of an array, about its centre in the array's axes. It is a
+/// circle, or the area between pairs of parallel sides.
 class MicrolensAperture {
  public:
   static constexpr int kMostPairs = 3;

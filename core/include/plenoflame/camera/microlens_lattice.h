@@ -16,7 +16,7 @@ struct LensIndex {
 /// The smaller and the larger one of an array's pitches along x and y [m].
 double shortest_pitch(const ArraySpec& array);
 double longest_pitch(const ArraySpec& array);
-/// Tells whether rows are as far apart as columns, or as a hexagonal lattice has them.
+/// Tells whether rows have the distance of columns, or that of a hexagonal lattice.
 bool is_regular(const ArraySpec& array);
 
 /// The lattice of microlens centres in the array's plane, camera x, y [m], with the displacements
@@ -32,9 +32,10 @@ class MicrolensLattice {
   double focal_factor(LensIndex lens) const;
   /// Type of a lens, 0 based: (q - r) mod the number of types.
   int type(LensIndex lens) const;
-  /// Tells whether the array has this lens. Of C columns and R rows those about lens (0, 0) are
-  /// there: rows -(R - 1) / 2 to R / 2, and as many columns, counted from the row's first lens
-  /// right of camera y (in whole numbers; before the array is rotated and moved).
+  /// Tells whether the array has this lens. An array of C columns and R rows is centred on lens (0,
+  /// 0). It has rows -(R - 1) / 2 to R / 2 and as many columns, counted from the row's first lens
+  /// right of camera y. Divisions are integer divisions, and the count precedes the array's
+  /// rotation and shift.
   bool has(LensIndex lens) const;
   /// The lens of the array whose centre is nearest to a point.
   LensIndex nearest(Vec2 point) const;

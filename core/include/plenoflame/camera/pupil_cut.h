@@ -9,8 +9,9 @@ namespace plenoflame {
 
 /// Bounds of that part of a microlens' aperture from which a sensor point sees the scene.
 ///
-/// Along the line from the micro-image's centre through the sensor point, and through the centre of
-/// the microlens in the aim plane, let p count along and q across. All that is open lies within
+/// A line runs from the micro-image's centre through the sensor point, and in the aim plane through
+/// the centre of the microlens. Coordinate p counts along it, q across. Open points satisfy
+///
 ///     low <= p <= high,
 ///     q^2 <= (p - low) (low_far - p),
 ///     q^2 <= (high - p) (p - high_far):
@@ -40,7 +41,7 @@ struct PupilColumn {
   PupilColumn reaching(float farther) const;
 };
 
-/// A column between two others, of which only what is asked for is mixed: refers to both.
+/// A column between two others, which mixes only the values that are read; refers to both.
 class ColumnBetween {
  public:
   ColumnBetween(const PupilColumn& a, const PupilColumn& b, float t) : a_(a), b_(b), t_(t) {}
@@ -57,7 +58,8 @@ class ColumnBetween {
 };
 
 /// The cuts of one place of a microlens over the azimuth of the sensor point about the
-/// micro-image's centre, measured from the direction away from the optical axis, a mirror plane.
+/// micro-image's centre. The azimuth is measured from the direction away from the optical axis,
+/// which lies in a mirror plane.
 class PupilCuts {
  public:
   static constexpr int kAzimuths = kCutAzimuths;
@@ -102,8 +104,8 @@ class PixelCuts {
   /// @param field unit vector away from the optical axis, in the axes of the pixel's sides
   PixelView look(Vec2 centre, double half, Vec2 field) const&;
   PixelView look(Vec2 centre, double half, Vec2 field) && = delete;
-  /// Pixels farther than this from the micro-image's centre [m] have a sector of their own; others
-  /// take the column for all. @param half half their side [m]
+  /// Pixels farther than this from the micro-image's centre [m] have their own sector. Nearer
+  /// pixels take the column for all. @param half half their side [m]
   static double clear_of_centre(double half);
   /// One around each azimuth of the table, and one for all.
   static constexpr int kSectors = PupilCuts::kAzimuths + 1;

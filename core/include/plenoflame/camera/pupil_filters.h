@@ -35,7 +35,7 @@ bool covers(const PupilFilterSpec& filter, Vec2 point, double margin = 0);
 /// Tells whether two filters overlap, on a raster of a 400th of the stop's radius.
 bool overlap(const PupilFilterSpec& a, const PupilFilterSpec& b);
 
-/// Corners as a scene file has them: "0 0, 1 0, 1 1". @throws InputError
+/// Corners as in a scene file: "0 0, 1 0, 1 1". @throws InputError
 std::vector<Vec2> parse_corners(std::string_view text);
 std::string format_corners(const std::vector<Vec2>& corners);
 

@@ -10,22 +10,21 @@
 
 namespace plenoflame {
 
-/// Places at which rays must be aimed to get through the camera, for a microlens at some distance
-/// from the optical axis: derived from traced pupil edges (docs/theory.md, "Pupil sampling").
+/// The aim points that rays need to get through the camera, for a microlens at some distance from
+/// the optical axis. They are derived from traced pupil edges (docs/theory/sampling.md).
 ///
-/// Sensor points s and points u of the aim plane are relative to the microlens' centre, their first
-/// axis points away from the optical axis. A ray (s, u) can only reach the scene inside the two
-/// discs of the microlens' own apertures (PupilTable) and inside the cut that belongs to s. Without
-/// array there is no microlens: u is relative to the optical axis, and one disc at `aim_centre`
-/// bounds it.
+/// Sensor points s and points u of the aim plane are relative to the microlens' centre. Their first
+/// axis points away from the optical axis. A ray (s, u) reaches the scene only inside the discs of
+/// the microlens' two apertures (PupilTable) and inside the cut of s. Without array u is relative
+/// to the optical axis, and one disc at `aim_centre` bounds it.
 struct PupilNode {
   double centre = 0;        ///< of the micro-image, first axis [m]
   double image_radius = 0;  ///< of the micro-image seen from the microlens' middle [m]; 0: dark
   double aim_centre = 0;    ///< without array: centre of the disc, first axis [m]
   double aim_radius = 0;    ///< without array: its radius [m]
   double outer_radius = 0;  ///< no ray that passes has |s - centre| beyond this [m]
-  /// Share of the aperture that is open, integrated over the distance from the centre up to i/16 of
-  /// opened_radius [m]: decides how many rays a pixel there is worth (OpenShare).
+  /// Open share of the aperture, integrated over the distance from the centre up to i/16 of
+  /// opened_radius [m]. It decides the number of rays of a pixel (OpenShare).
   std::array<double, 17> opened{};
   double opened_radius = 0;  ///< [m]
   PixelCuts cuts;            ///< about `centre`
@@ -66,9 +65,10 @@ struct ApertureDiscs {
   double radius_at(Vec2 s) const { return radius + growth * dot(s, s); }
 };
 
-/// The area between pairs of parallel sides of a microlens' apertures, in the aim plane, for a
-/// sensor point s: |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| < far_half,
-/// with the shifts of the discs of the circle around them. Of circles there are none.
+/// The area between pairs of parallel sides of a microlens' apertures, in the aim plane. For a
+/// sensor point s it is |n . (u - near_shift s)| < near_half and |n . (u - far_centre(s))| <
+/// far_half. The shifts are those of the discs bounded by the circumscribed circles. A round
+/// aperture has no pairs.
 struct ApertureSides {
   int pairs = 0;
   std::array<Vec2, MicrolensAperture::kMostPairs> normals{};
@@ -85,10 +85,10 @@ class PupilTable {
   RayCrossing at_pupil, at_far_face;
   double field_step = 0;  ///< [m] between nodes
   std::vector<PupilNode> nodes;
-  /// Rays at the edge of what gets through, and within it (the edge's need not be the outermost:
-  /// zones of a lens focus at different distances), per node, leaving the camera (camera frame),
-  /// for a microlens centre (or sensor point) on the +x axis: they bound the beam. Without the
-  /// distortion of the main lens.
+  /// Rays that bound the beam, per node, as they leave the camera (camera frame). They belong to a
+  /// microlens centre (or sensor point) on the +x axis, without the distortion of the main lens.
+  /// They lie at the edge of the open pupil and within it. Zones of a lens focus at different
+  /// distances, so rays at the edge need not be the outermost.
   std::vector<std::vector<Ray>> edges;
 
   /// Linear interpolation; h beyond the table takes the last node.

@@ -7,17 +7,17 @@
 namespace plenoflame {
 
 /// Effective resolution ratio along one axis of a point at `array_distance` a [m] in front of the
-/// array (negative: behind it): pixels of the image that its micro-images can make up, over pixels
-/// of the sensor. The micro-image shows the point |B / a| times smaller, which is at most 1 here,
-/// blurred over s = D |B (1/f - 1/a) - 1|:
+/// array (negative: behind it). It is the number of image pixels that the micro-images can make up,
+/// over pixels of the sensor. A micro-image shows the point smaller by |B / a|, here at most 1. Its
+/// blur is s = D |B (1/f - 1/a) - 1|, so that the ratio is
 ///     min(1, |B / a|) * p / max(s, p, least_spot)
 /// Perwass and Wietzke, Proc. SPIE 8291 (2012), 829108. Squared it is the share of the area.
 /// @param least_spot [m] of diffraction, 1.22 wavelength * B / D, or 0
 double effective_resolution(const TypeDesign& type, double diameter, double pixel,
                             double array_distance, double least_spot = 0);
 
-/// Blur of the image of an axial point in one type's micro-images by real rays: diameter of the
-/// uniform disc with the same RMS radius about each micro-image's own centroid, on the sensor [m].
+/// Blur of an axial point's image in one type's micro-images by real rays [m]. It is the diameter
+/// of the uniform disc with the same RMS radius about each micro-image's own centroid.
 struct TracedBlur {
   double central = 0;  ///< seen by the microlens on the axis
   double all = 0;      ///< RMS over microlenses at zones of equal area of the main lens' pupil
@@ -62,8 +62,8 @@ struct ResolutionPoint {
   double paraxial_joint = 0, traced_joint = 0;  ///< the best type's
 };
 
-/// Over the distances at which a type sees anything: |a| from B / 4 to 20 B on the sides on which
-/// the types are sharp, in equal steps of the object's distance. Empty without array.
+/// Resolution over the distances that a type resolves: |a| from B / 4 to 20 B on the sides on which
+/// the types are sharp. Steps of the object's distance are equal. Empty without array.
 std::vector<ResolutionPoint> resolution_curve(const Camera& camera, int points,
                                               double wavelength = 0);
 

@@ -7,8 +7,8 @@ namespace plenoflame {
 /// Effect of windows on the picture of a point on the optical axis, by traced rays near the axis.
 struct WindowDesign {
   bool crossed = false;  ///< whether rays between the point and the lens go through the windows
-  /// [m] by which the point that is in focus lies farther away than without windows, from the rays
-  /// in the planes of camera x and camera y.
+  /// [m] Shift of the focus away from the camera that the windows cause, from rays in the planes of
+  /// camera x and y.
   double shift_x = 0, shift_y = 0;
   double displacement = 0;  ///< [m] of it across the axis
   double loss = 0;          ///< share of the light that the windows keep

@@ -9,11 +9,11 @@
 namespace plenoflame {
 
 /// The difference of one image from a reference, over the pixels that both hold. A pixel is lit
-/// when the mean of both is above kLitShare (film.h) of its largest one; each image has the weight
-/// of the other's mean variance in that mean (equal weights without standard errors), so that noise
-/// does not choose pixels in which one of them is too bright. Sums marked * use the standard errors
-/// s of both images, s^2 = s_a^2 + s_b^2 (an image without standard errors counts as exact), plus
-/// the rounding of the stored single precision; they take the errors of different pixels as
+/// when the weighted mean of both is above kLitShare (film.h) of its largest value. Each image is
+/// weighted by the other's mean variance, so that noise does not select pixels in which one image
+/// is too bright. Without standard errors the weights are equal. Values marked * use the standard
+/// errors s of both images, s^2 = s_a^2 + s_b^2, plus the rounding of the stored single precision.
+/// An image without standard errors counts as exact; errors of different pixels count as
 /// independent.
 struct Comparison {
   PixelWindow window;  ///< common part of both
@@ -29,37 +29,38 @@ struct Comparison {
 
   bool has_standard_errors = false;  ///< either has; all below is 0 otherwise
   double relative_bias_error = 0;    ///< * standard error of relative_bias
-  /// * The larger relative standard error of the two means over lit pixels. Pixels in which no ray
-  /// has found light yet don't make it too small: in those that have light the squared errors are
-  /// too large by as much.
+  /// * The larger relative standard error of the two means over lit pixels. Pixels that no ray with
+  /// light has reached do not make it too small. The squared errors of the others are too large by
+  /// the same amount.
   double mean_error = 0;
-  /// * What an unbiased a would have as relative_rmse: sqrt(mean(s^2)) / mean(b).
+  /// * Value of relative_rmse expected for an unbiased a: sqrt(mean(s^2)) / mean(b).
   double expected_rmse = 0;
   double largest_z = 0;  ///< * (a - b) / s, largest by magnitude; with its sign
   int largest_z_column = 0, largest_z_row = 0;
-  /// Degrees of freedom of the standard errors: one less than the fewest randomisations of an image
-  /// that has them ("render.replicates" of its numbers); infinite where no image says.
+  /// Degrees of freedom of the standard errors: the smallest number of replicates of an image with
+  /// standard errors ("render.replicates" of its numbers), minus one. Infinite if no image has this
+  /// number.
   double freedom = std::numeric_limits<double>::infinity();
-  /// * Of one as large among so many pixels (Sidak), if the differences are normal and their errors
-  /// estimated with so many degrees of freedom (Student).
+  /// * Probability that noise alone makes largest_z this large among all pixels (Sidak). It assumes
+  /// normal differences and Student's t with `freedom` degrees of freedom.
   double largest_z_probability = 1;
-  /// * Reduced chi-square, mean of ((a - b) / s)^2 over pixels with s > 0. 1 is expected; a little
-  /// more when s was estimated from few randomisations ((R - 1) / (R - 3) for R of them).
+  /// * Reduced chi-square, mean of ((a - b) / s)^2 over pixels with s > 0. Its expected value is 1,
+  /// or (R - 1) / (R - 3) when s was estimated from R replicates.
   double chi_square = 0;
   std::size_t chi_square_pixels = 0;
-  /// Sees differences that are small in each pixel but alike among neighbours: (sum of a - b)^2
-  /// over sum of (a - b)^2, of blocks of kBlock x kBlock pixels, both summed over blocks in units
-  /// of their flux. 1 where differences are independent, whatever their size and distribution;
-  /// nearer to it where they are smaller than the standard errors, as those of images with the same
-  /// seed.
+  /// Detects differences that are small in each pixel but alike among neighbours. It is the ratio
+  /// of (sum of a - b)^2 and sum of (a - b)^2 in blocks of kBlock x kBlock pixels. Both are summed
+  /// over blocks in units of their flux. 1 if differences are independent, with any size and
+  /// distribution. Nearer to 1 if they are smaller than the standard errors, as for images with the
+  /// same seed.
   double block_chi_square = 0;
   std::size_t blocks = 0;
   /// The excess of that over 1, in standard deviations of a normal distribution (Wilson and
   /// Hilferty, PNAS 17 (1931) 684). Above 5: the images differ by more than noise.
   double block_score = 0;
-  /// Share of the pixels lit in one of the images in which the other is exactly 0:
-  /// where no ray has found light yet the error is not 0, as its estimate is. Unless these
-  /// are dark in truth, all that is marked * means little above a hundredth.
+  /// Share of the pixels lit in one image that are exactly 0 in the other. Pixels that no ray with
+  /// light has reached have an error, although its estimate is 0. Above a hundredth, values marked
+  /// * mean little, unless these pixels are truly dark.
   double dark_in_one_share = 0;
 
   static constexpr int kBlock = 16;
@@ -75,13 +76,13 @@ enum class Verdict {
 /// Limits of verdict(): standard errors of the bias, and block_score. Noise alone exceeds them
 /// about once in two million comparisons.
 inline constexpr double kVerdictLimit = 5;
-/// A single pixel counts when one as large has at most this probability ...
+/// A single pixel counts when largest_z_probability is at most this ...
 inline constexpr double kVerdictProbability = 1e-6;
-/// ... and its error is known from at least so many degrees of freedom. With fewer the mean square
-/// of the differences in units of their errors has no finite mean, or no finite variance.
+/// ... and its error has at least this number of degrees of freedom. With fewer, the mean square of
+/// the normalised differences has no finite mean or no finite variance.
 inline constexpr double kFreedomForPixels = 5;
-/// Above this share of pixels that are dark in one image only the standard errors of single pixels
-/// are too small. The images differ all the same where their means or neighbours do ...
+/// Above this share of pixels that are dark in one image, only the standard errors of single pixels
+/// are too small. The images still differ if their means or neighbours do ...
 inline constexpr double kTooManyDark = 0.01;
 /// ... and each mean is known this well (mean_error), as from 25 rays with light.
 inline constexpr double kKnownMean = 0.2;

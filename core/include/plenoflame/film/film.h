@@ -15,11 +15,11 @@ struct FilmImages {
   friend bool operator==(const FilmImages&, const FilmImages&) = default;
 };
 
-/// The sums that an estimator has gathered: per pixel and channel one sum for each independent
-/// randomisation (replicate), in double precision (of up to 8 rays in theirs, at first). The mean
-/// over replicates is the estimate, their scatter its standard error. Tiles that receive nothing
-/// take no memory. Of tiles that are finished only the estimate and its standard error are kept,
-/// which take less.
+/// The sums that an estimator has gathered: for each pixel and channel one sum per replicate
+/// (independent repetition), in double precision. Up to 8 rays are first summed in their own
+/// precision. The mean over replicates is the estimate; their scatter gives its standard error.
+/// Tiles without light take no memory. A finished tile keeps only the estimate and its standard
+/// error, which takes less memory.
 class Film {
  public:
   Film() = default;
@@ -42,8 +42,8 @@ class Film {
     tile_samples_[static_cast<std::size_t>(tile)] += samples;
   }
 
-  /// Sums of a tile: of each channel all replicates, of each replicate the pixels row by row. Made
-  /// of zeros when first asked for; empty as long as nothing was.
+  /// Sums of a tile, ordered by channel, replicate and pixel (row by row). The first call allocates
+  /// zeros; empty before.
   /// @throws std::logic_error when the tile is finished
   std::vector<double>& tile_sums(int tile);
   const std::vector<double>& tile_sums(int tile) const {
@@ -65,33 +65,36 @@ class Film {
   /// @throws std::logic_error when they were taken (take_images())
   FilmImages images(int channel, const Execution& execution = {}) const;
 
-  /// From now on tiles can be finished: takes the room for what is kept of them. Not while others
-  /// work on the film.
+  /// Allows tiles to be finished and reserves memory for their values. Not while others work on the
+  /// film.
   void allow_finishing();
-  /// No longer. @throws std::logic_error when tiles are finished
+  /// Reverses allow_finishing(). @throws std::logic_error when tiles are finished
   void forbid_finishing();
   bool allows_finishing() const { return !finished_.empty(); }
-  /// All samples of the tile have come: keeps what images() makes of its sums instead of them.
-  /// @return their memory, for another tile (lend()): the system takes time to give new one
+  /// Call it when all samples of the tile have been added. It replaces the tile's sums by the
+  /// values that images() computes from them.
+  /// @return their memory, for another tile (lend()), because the system takes time to allocate new
+  ///         memory
   std::vector<double> finish(int tile);
   /// Memory for the sums of a tile that has none.
   void lend(int tile, std::vector<double> memory);
   bool is_finished(int tile) const { return tile_finished_[static_cast<std::size_t>(tile)] != 0; }
   bool has_finished_tiles() const;
-  /// Tells whether the images of finished tiles have been taken away (take_images()).
+  /// Tells whether take_images() has removed the images of finished tiles.
   bool is_taken() const;
   /// The values kept of a finished tile: of each channel the flux, row by row, then (with more than
   /// one replicate) its standard error.
   /// @throws std::logic_error when it is gone (take_images())
   std::vector<float> finished_values(int tile) const;
-  /// Makes of an empty tile a finished one. @param values as many as finished_values() gives
+  /// Turns an empty tile into a finished one. @param values as many as finished_values() gives
   void set_finished(int tile, const std::vector<float>& values);
   std::size_t finished_count(int tile) const;  ///< how many that are
 
   /// images(), without a copy: the film is left without the channel's finished tiles.
   FilmImages take_images(int channel, const Execution& execution = {});
 
-  /// The tiles, from the corner of such an image, outside of which it is 0 for every channel.
+  /// The tiles, from the corner of such an image, that hold light. Outside of them every channel is
+  /// 0.
   std::vector<PixelWindow> lit_parts() const;
 
   /// Samples per replicate that the round in progress brings each tile to: what has been decided
@@ -125,8 +128,8 @@ class Film {
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors
-/// over the mean flux, over lit pixels (flux above kLitShare of the largest). 0 when nothing is
-/// lit.
+/// over the mean flux. Both are over lit pixels (flux above kLitShare of the largest). 0 if no
+/// pixel is lit.
 double estimated_relative_rmse(const Image& flux, const Image& standard_error);
 
 inline constexpr double kLitShare = 0.01;
@@ -134,8 +137,9 @@ inline constexpr double kLitShare = 0.01;
 /// The error of a whole image, by its standard errors.
 struct StatedError {
   double relative_rmse = 0;  ///< best estimate, as estimated_relative_rmse()
-  /// The true relative RMSE is below this with a probability of about kErrorConfidence; where one
-  /// pixel makes most of it, of 82 % with two replicates (docs/theory/errors.md). One: infinite.
+  /// The true relative RMSE is below this with a probability of about kErrorConfidence. If one
+  /// pixel makes most of it and there are two replicates, the probability is 82 %
+  /// (docs/theory/errors.md). One replicate: infinite.
   double bound = 0;
 };
 inline constexpr double kErrorConfidence = 0.95;

@@ -8,8 +8,8 @@ namespace plenoflame {
 /// they differ: "COUNTxSAMPLES" of runs of neighbouring tiles, separated by blanks.
 inline constexpr const char* kTileSamples = "render.tile_samples";
 
-/// Entries of LightField::texts that a picture has which is a part of one ("2/4", base/part.h), or
-/// is put together (render/merge.h) of what no run could go on with.
+/// Entries of LightField::texts. The first is set for a part of a picture ("2/4", base/part.h). The
+/// second is set for a merged picture (render/merge.h) that no run can continue.
 inline constexpr const char* kPartOfPicture = "render.part";
 inline constexpr const char* kMergedPicture = "render.merged";
 
@@ -20,14 +20,14 @@ std::string tile_samples_text(const Film& film);
 /// @throws InputError when the light field does not say how many samples it has
 std::vector<double> tile_samples_of(const LightField& picture, int replicates, int tiles);
 
-/// The film that a rendered picture was made from, as far as the picture tells: every lit tile is
-/// finished. @throws InputError when the light field does not say how many samples it has
+/// The film of a rendered picture, as far as the picture tells: every lit tile is finished.
+/// @throws InputError when the light field does not say how many samples it has
 Film film_of(const LightField& picture);
 
-/// A film like `film` without finished tiles, which takes more samples everywhere. Of a finished
-/// tile the mean over replicates and their scatter are known, in single precision: the replicates
-/// are placed evenly about the mean, so that estimate and standard error stay as they are, and
-/// become those of all samples together when others are added.
+/// Copy of `film` without finished tiles, which accepts more samples everywhere. A finished tile
+/// knows only the mean over replicates and their scatter, in single precision. The new replicates
+/// are placed evenly about the mean, so that estimate and standard error are unchanged. With
+/// further samples, both become those of all samples together.
 Film reopened(const Film& film);
 
 }  // namespace plenoflame

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-/// Arrays in an HDF5 file on disk: those of many pictures need not be in memory together. HDF5 is
-/// used by one thread at a time.
+/// Arrays in an HDF5 file on disk, so that the arrays of many pictures need not be in memory
+/// together. HDF5 is used by one thread at a time.
 namespace plenoflame {
 
 class ArraySetWriter {
@@ -17,14 +17,14 @@ class ArraySetWriter {
   ArraySetWriter(const ArraySetWriter&) = delete;
   ArraySetWriter& operator=(const ArraySetWriter&) = delete;
 
-  /// Makes an array of `rows` arrays of this shape, in 32-bit numbers, to be filled by put(): a
-  /// chunk for each row (for each first index of it where rows are large), packed without loss
-  /// (deflate). Groups above it are made. @param axes names of all axes, "run,row,column"
+  /// Makes an array of `rows` arrays of this shape in 32-bit numbers, to be filled by put(). Each
+  /// row is a chunk, or each first index of a large row; chunks are compressed without loss
+  /// (deflate). Makes the groups above it. @param axes names of all axes, "run,row,column"
   void rows(const std::string& path, std::size_t rows, std::vector<std::size_t> shape,
             const std::string& unit, const std::string& axes);
   /// Writes a row of it. Rows that are never written are 0.
   void put(const std::string& path, std::size_t row, std::span<const float> values);
-  /// Single arrays. An empty shape is that of a list.
+  /// Single arrays. With an empty shape they are lists.
   void numbers(const std::string& path, std::span<const double> values, const std::string& unit,
                std::vector<std::size_t> shape = {});
   void whole_numbers(const std::string& path, std::span<const std::int64_t> values);

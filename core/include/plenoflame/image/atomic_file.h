@@ -6,9 +6,9 @@
 namespace plenoflame {
 
 /// A file that appears under its name only when it is complete. It is written under a temporary
-/// name in the same folder and renamed by commit(); without commit() the destructor removes it, and
-/// what stood under the name before is untouched. A symbolic link is followed; permissions of a
-/// file that is replaced are kept.
+/// name in the same folder and renamed by commit(). Without commit() the destructor removes it, and
+/// an earlier file of the name is untouched. A symbolic link is followed; a replaced file's
+/// permissions are kept.
 class AtomicFile {
  public:
   /// Creates the temporary file.

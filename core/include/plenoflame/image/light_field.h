@@ -13,11 +13,11 @@ namespace plenoflame {
 struct LightFieldChannel {
   std::string name;      ///< "total" or as named in the scene, e.g. "650nm"
   Image flux;            ///< [W]
-  Image standard_error;  ///< [W], of `flux`; empty when it was not asked for
+  Image standard_error;  ///< [W], of `flux`; empty: not requested
 };
 
-/// A raw light-field image with everything that later steps need: the scene text holds the whole
-/// camera, so that views, refocusing and exports need no other file.
+/// A raw light-field image with everything that later steps need. The scene text holds the whole
+/// camera, so views, refocusing and exports need no other file.
 struct LightField {
   int sensor_width = 0;   ///< columns of the whole sensor
   int sensor_height = 0;  ///< rows of the whole sensor
@@ -52,17 +52,20 @@ enum class ExrCompression {
 
 /// Writes a multi-channel float EXR (flux "NAME", standard error "NAME.error", layers by name),
 /// under a temporary name that is renamed at the end. Data window: `window` within a display window
-/// of the whole sensor. Attributes: "plenoflame.format" (2) and .complete are whole numbers, all
-/// others texts, as other programs keep hardly anything else: "plenoflame.unit" ("W"), .version,
-/// .scene, .estimator, .seed and .samples (decimal), .channels and .layers (names in order, one a
-/// line), .number.KEY (decimal, SI; the shortest that is read as the same double), .text.KEY. From
-/// these entries of `numbers` the standard attributes of OpenEXR are written besides, in the units
-/// that it defines: lens.focal_length (effectiveFocalLength, mm), lens.f_number (aperture),
-/// focus.object_distance (focus, m), sensor.pixel_pitch (sensorPhotositePitch, um;
-/// sensorOverallDimensions, mm). The same light field gives the same bytes.
-/// @throws FileError naming the file and the cause (folder missing, disk full, ...),
-///         InputError when window, images and names do not fit together,
-///         Cancelled when a stop was requested: nothing is left behind
+/// of the whole sensor. The same light field gives the same bytes.
+///
+/// Integer attributes: "plenoflame.format" (2) and .complete. All others are texts, because few
+/// other programs keep other types: "plenoflame.unit" ("W"), .version, .scene, .estimator. Decimal:
+/// .seed and .samples. Names in order, one a line: .channels and .layers. Further .text.KEY, and
+/// .number.KEY (decimal, SI; the shortest that is read as the same double).
+///
+/// Some entries of `numbers` also give the standard attributes of OpenEXR, in its units. Lens:
+/// lens.focal_length (effectiveFocalLength, mm), lens.f_number (aperture). Focus:
+/// focus.object_distance (focus, m). Sensor: sensor.pixel_pitch (sensorPhotositePitch, um;
+/// sensorOverallDimensions, mm).
+/// @throws FileError naming the file and the cause (folder missing, disk full, ...)
+/// @throws InputError when window, images and names do not fit together
+/// @throws Cancelled when a stop was requested: no file is left
 void write_light_field(const std::string& path, const LightField& light_field,
                        const std::stop_token& stop = {},
                        ExrCompression compression = ExrCompression::rle);
@@ -71,9 +74,9 @@ void write_light_field(const std::string& path, const LightField& light_field,
 /// InputError (an EXR from elsewhere: names the missing attribute), Cancelled
 LightField read_light_field(const std::string& path, const std::stop_token& stop = {});
 
-/// Reads an EXR from elsewhere as though it were a raw image: every channel (converted to 32-bit
-/// float) is taken for flux, in alphabetical order, the display window for the sensor. Attributes
-/// of Plenoflame are not needed and not read. @throws FileError, InputError as read_light_field
+/// Reads an EXR of another program as a raw image. Every channel (converted to 32-bit float) is
+/// flux, in alphabetical order; the display window is the sensor. Attributes of Plenoflame are
+/// ignored. @throws FileError, InputError as read_light_field
 LightField read_foreign_image(const std::string& path);
 
 /// The same without pixels: all images are empty; channels without standard error cannot be told

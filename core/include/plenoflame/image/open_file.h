@@ -4,8 +4,8 @@
 
 namespace plenoflame {
 
-/// Opens a file for reading, and never waits for that: a named pipe into which nobody writes is
-/// refused. @return to be closed by fclose() @throws FileError naming path and cause
+/// Opens a file for reading without ever waiting: a named pipe without writer is rejected.
+/// @return to be closed by fclose() @throws FileError naming path and cause
 std::FILE* open_for_reading(const std::string& path);
 
 }  // namespace plenoflame

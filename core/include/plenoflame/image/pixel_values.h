@@ -25,7 +25,7 @@ struct ZeroedAllocator {
   }
   void deallocate(T* memory, std::size_t) { std::free(memory); }
 
-  /// A number that nothing is said of is what is there: 0, in memory that is new.
+  /// Leaves numbers without value as they are in memory: 0 in new memory.
   template <class U>
   void construct(U*) {}
   template <class U, class... Values>
@@ -36,8 +36,8 @@ struct ZeroedAllocator {
   friend bool operator==(const ZeroedAllocator&, const ZeroedAllocator&) { return true; }
 };
 
-/// The numbers of a picture. Of a large one that is mostly dark the system gives only the pages
-/// that hold light.
+/// The numbers of a picture. For a large and mostly dark picture the system allocates only the
+/// memory pages that hold light.
 struct PixelValues : std::vector<float, ZeroedAllocator<float>> {
   using vector::vector;
   /// New values are 0, also where the memory is not.

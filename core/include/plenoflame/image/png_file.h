@@ -34,12 +34,13 @@ struct PngImage {
 };
 
 /// Writes a PNG under a temporary name that is renamed at the end.
-/// @throws FileError (cannot be written), InputError (sizes that do not fit together, a sample
-///         that exceeds the bits), Cancelled (a stop was requested: nothing is left behind)
+/// @throws FileError (cannot be written)
+/// @throws InputError (sizes that do not fit together, a sample that exceeds the bits)
+/// @throws Cancelled (a stop was requested: no file is left)
 void write_png(const std::string& path, const PngImage& image, const std::stop_token& stop = {});
 
-/// Reads any PNG as grey or RGB: palettes are resolved, transparency is dropped, less than 8 bits
-/// become 8. @throws FileError (cannot be read, not a PNG, damaged)
+/// Reads any PNG as grey or RGB. Palettes are resolved, transparency is dropped, and fewer than 8
+/// bits become 8. @throws FileError (cannot be read, not a PNG, damaged)
 PngImage read_png(const std::string& path);
 
 }  // namespace plenoflame

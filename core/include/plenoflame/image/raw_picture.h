@@ -31,17 +31,16 @@ struct RawLayout {
   std::uint64_t skip = 0;  ///< bytes in front of the first picture
 };
 
-/// Reads all pictures of a file in turn: the pages of a TIFF (strips or tiles, 1 to 16 bits), a PNG
-/// (8 or 16 bits; where it says how many bits carry information, those), a PGM (P5), a JPEG of 8
-/// bits (marked as lossy), or numbers without header, as `layout` says. Only one picture is held at
-/// a time.
-/// @throws FileError: cannot be read, no picture, cut off, damaged, of a kind that is not read
-///         (floating point, palettes); what it claims is checked before memory is taken
+/// Reads all pictures of a file in turn; only one picture is held at a time. Formats: the pages of
+/// a TIFF (strips or tiles, 1 to 16 bits), a PNG, a PGM (P5). A JPEG of 8 bits is marked as lossy.
+/// A PNG has 8 or 16 bits, or the significant bits that it declares. Numbers without header are
+/// read as `layout` says.
+/// @throws FileError: cannot be read, no picture, cut off, damaged, unsupported kind (floating
+///         point, palettes). Sizes in the header are checked before memory is allocated
 void read_raw_pictures(const std::string& path, const RawLayout& layout,
                        const std::function<void(RawPicture&&)>& take);
 
-/// The picture mirrored left to right where that is asked for, then turned clockwise by so many
-/// quarter turns.
+/// The picture mirrored left to right if `mirror`, then turned clockwise by quarter turns.
 RawPicture turned(RawPicture picture, int quarter_turns, bool mirror);
 
 }  // namespace plenoflame

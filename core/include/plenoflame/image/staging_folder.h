@@ -5,9 +5,9 @@
 namespace plenoflame {
 
 /// Files that appear in a folder all together. They are written into a temporary folder within it,
-/// and moved out of that by commit(); without commit() the destructor removes it with all that is
-/// in it, and the folder is as it was before. A process that is killed leaves the temporary folder;
-/// the next one that writes into the same folder removes it.
+/// and commit() moves them out. Without commit() the destructor removes the temporary folder, and
+/// the folder is as it was before. A killed process leaves its temporary folder; the next process
+/// that writes into the same folder removes it.
 class StagingFolder {
  public:
   /// @param folder exists
@@ -17,15 +17,15 @@ class StagingFolder {
   StagingFolder(const StagingFolder&) = delete;
   StagingFolder& operator=(const StagingFolder&) = delete;
 
-  /// The folder into which the files are to be written.
+  /// The folder for writing the files.
   const std::string& path() const { return path_; }
   /// Moves them into the folder, over those of the same names; through symbolic links, too.
   /// @throws FileError as AtomicFile; then the folder is as it was before
   void commit();
   /// The same for several folders: all of their files appear, or none.
   static void commit(const std::vector<const StagingFolder*>& folders);
-  /// Removes temporary folders within a folder that killed processes left, and no others: the one
-  /// that writes holds a lock, which ends with it. What cannot be removed stays.
+  /// Removes the temporary folders that killed processes left within a folder. Folders in use are
+  /// kept: their process holds a lock, which ends with it. Folders that cannot be removed stay.
   static void remove_abandoned(const std::string& folder);
 
  private:

@@ -13,11 +13,12 @@ struct FlameAxis {
   double spread = 0;  ///< [m] RMS distance of light from it: about half a radius
 };
 
-/// The line from which the pictures' light is least away: the sum over rows of flux times the
-/// squared distance of its rays (their mean) is least. Only pixels above 5 standard deviations
-/// count. What the cameras cannot tell stays as it was: the depth along the only view, and a tilt
-/// along it.
-/// @param start an axis near it @throws InputError where no pixel is lit
+/// The line that is nearest to the pictures' light. It minimises the sum over rows of flux times
+/// the squared distance of the row's rays (their mean). Only pixels above 5 standard deviations
+/// count. One view measures neither the depth along it nor a tilt towards it: both stay as in
+/// `start`.
+/// @param start an axis near it
+/// @throws InputError where no pixel is lit
 FlameAxis fit_axis(const CameraRays& rays, const MeasuredRows& measured, const FlameAxis& start);
 
 }  // namespace plenoflame

@@ -17,7 +17,7 @@ namespace plenoflame {
 /// A camera whose pixels are rows of the linear problem.
 struct CameraView {
   const CompiledScene* scene = nullptr;
-  PixelWindow window;  ///< pixels that are wanted; width 0: the whole sensor, or all compiled ones
+  PixelWindow window;  ///< requested pixels; width 0: the whole sensor, or all compiled ones
   /// The rays that it keeps take the place of drawn ones; its two sets are replicates.
   const CompiledCamera* compiled = nullptr;
   std::string compiled_name = {};  ///< for messages
@@ -26,10 +26,10 @@ struct CameraView {
 /// The pixels that are meant.
 PixelWindow window_of(const CameraView& view);
 
-/// Settings by which rays are drawn and pixels are put together.
+/// Settings for drawing rays and grouping pixels.
 struct CameraRaySettings {
   int samples = 16;    ///< rays per pixel and microlens that covers it
-  int replicates = 2;  ///< randomisations that these are made of
+  int replicates = 2;  ///< number of replicates that the samples are divided into
   std::uint64_t seed = 1;
   int bin = 1;  ///< a row is the sum of bin x bin pixels
   /// Above 0 rows are cells of micro-images in place of blocks: of cells x cells over the square
@@ -46,7 +46,7 @@ struct CameraRay {
   Vec3 origin, direction;  ///< [m], unit vector; the origin is on the camera
   double weight = 0;       ///< [m^2 sr] share of the etendue, times pupil_transmission()
   double end = 0;          ///< [m] where something solid ends it; infinite otherwise
-  int replicate = 0;       ///< the independent randomisation that it belongs to
+  int replicate = 0;       ///< the replicate that it belongs to
   int part = 0;            ///< of the stop, of PupilFilters::parts()
 };
 
@@ -64,7 +64,7 @@ struct CameraRays {
     int column = 0, row = 0;  ///< on the whole sensor
   };
   std::vector<Row> rows;
-  /// The rays of a row are those of its pixels line by line. Empty where `source` draws them.
+  /// The rays of a row are those of its pixels line by line. Empty if `source` draws them.
   std::vector<CameraRay> rays;
   std::shared_ptr<const RaySource> source;  ///< nullptr where rays are kept
   /// The pixels of rows that are cells of micro-images, row after row, and the end of each row's.
@@ -106,20 +106,21 @@ struct RowPieces {
 /// The same whether rays are kept or not.
 RowPieces pieces_of(const CameraRays& rays);
 
-/// Draws rays again, a piece at a time: what it takes is the memory of some pieces.
+/// Draws rays again, a piece at a time. Only a few pieces are in memory.
 struct RaySource {
   Box box;
   CameraRaySettings settings;
   std::size_t rays = 0;  ///< of all rows
   RowPieces pieces;
-  /// The camera of each piece, with the window around its pixels. What they point to must outlive
-  /// this.
+  /// The camera of each piece, with the window around its pixels. The objects that the views point
+  /// to must outlive this.
   std::vector<CameraView> views;
   std::vector<std::uint32_t> piece_of;  ///< of each row
 };
 
-/// Hands out the rays of rows, for one thread, whether they are kept or drawn again. Rows should be
-/// asked for piece by piece: a row of another piece than the one before has all of its piece drawn.
+/// Hands out the rays of rows, for one thread, whether they are kept or drawn again. Read rows
+/// piece by piece: a row of another piece than the previous one causes all of its piece to be
+/// drawn.
 class RowRays {
  public:
   /// @param all must outlive it
@@ -134,17 +135,17 @@ class RowRays {
   std::vector<std::int32_t> at_;  ///< row of drawn_ that begins at a pixel of the window; -1: none
 };
 
-/// Draws the rays that the backward estimator draws with these samples and this seed, and keeps
-/// those that meet the box; of a compiled camera all of its own that do. Blocks of pixels that
-/// reach beyond the window are left out. The same for any number of threads.
-/// @throws UsageError for settings that render() refuses, a bin below 1, cells of a camera without
+/// Draws the rays of the backward estimator with these samples and this seed, and keeps those that
+/// meet the box. A compiled camera gives all of its own rays that meet the box. Blocks of pixels
+/// that reach beyond the window are skipped. The result does not depend on the number of threads.
+/// @throws UsageError for settings that render() rejects, a bin below 1, cells of a camera without
 ///         microlenses, a window that a compiled camera does not hold
 /// @throws InputError as check_compiled(), and where the box reaches beyond its region
 /// @throws Cancelled
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution = {});
 
-/// The way that rows of the linear problem are at hand, from fast to small.
+/// How the rows of the linear problem are stored, from fast to small.
 enum class OperatorForm {
   automatic,  ///< the first of those that follow for which there is memory
   matrix,     ///< stored
@@ -156,15 +157,15 @@ enum class OperatorForm {
 CameraRays counted_camera_rays(const std::vector<CameraView>& views, const Box& box,
                                CameraRaySettings settings, const Execution& execution = {});
 
-/// The number of rays that will be drawn, told by as few as 4 for each replicate: some per cent too
-/// large, as a pixel and microlens that are hardly worth it have one ray at the least.
+/// The number of rays that will be drawn, estimated from as few as 4 for each replicate. It is some
+/// per cent too large, because each pair of pixel and microlens counts at least one ray.
 double estimated_rays(const std::vector<CameraView>& views, const Box& box,
                       const CameraRaySettings& settings, const Execution& execution = {});
 
-/// Sets the way in which rays of this form are at hand: they are kept unless it has them drawn
-/// again, or is left to choose and they would take more than half of the memory that the machine
-/// has left. Their number is told by estimated_rays().
-/// @throws InputError: the form has them kept, and the machine has not the memory
+/// Decides whether the rays of this form are kept or drawn again. The automatic form draws them
+/// again if they would take more than half of the machine's free memory. estimated_rays() gives
+/// their number.
+/// @throws InputError: the form keeps the rays, and they do not fit into memory
 CameraRaySettings kept_or_drawn(OperatorForm form, const std::vector<CameraView>& views,
                                 const Box& box, CameraRaySettings settings,
                                 const Execution& execution = {});

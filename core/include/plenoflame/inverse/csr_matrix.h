@@ -23,14 +23,14 @@ struct CsrRows {
   std::vector<Value> values;
 };
 
-/// A sparse matrix in compressed sparse rows, as scipy.sparse.csr_matrix has it: the entries of row
+/// A sparse matrix in compressed sparse rows, like scipy.sparse.csr_matrix: the entries of row
 /// i are [row_starts[i], row_starts[i + 1]).
 template <class Value = float>
 class CsrMatrix {
  public:
   CsrMatrix() = default;
-  /// @throws InputError for starts that fall or do not fit, columns that are not ascending within a
-  ///         row or lie outside, values that are no numbers (names row and entry)
+  /// @throws InputError for starts that fall or do not fit, or columns outside. Also for columns
+  ///         that do not ascend within a row, and values that are no numbers (names row and entry)
   CsrMatrix(std::size_t columns, std::vector<std::int64_t> row_starts,
             std::vector<std::int32_t> column_indices, std::vector<Value> values);
 
@@ -48,7 +48,7 @@ class CsrMatrix {
   std::vector<Value> values_;
 };
 
-/// Appends rows to those of a matrix that comes about. @param starts begins with 0
+/// Appends rows to those of a growing matrix. @param starts begins with 0
 template <class Value>
 void append_rows(const CsrRows<Value>& rows, std::vector<std::int64_t>& starts,
                  std::vector<std::int32_t>& columns, std::vector<Value>& values) {
@@ -83,10 +83,11 @@ struct CsrPart {
 /// A number that tells descriptions of work apart (FNV-1a).
 std::int64_t csr_work(const std::string& description);
 
-/// Writes or reads a matrix as the name ends: .npz (scipy.sparse.save_npz, compressed or not), .h5
-/// (datasets data, indices, indptr and shape), .mtx (MatrixMarket coordinate real general).
+/// Writes or reads a matrix in the format of the name's ending. `.npz`: scipy.sparse.save_npz,
+/// compressed or not. `.h5`: datasets data, indices, indptr and shape. `.mtx`: MatrixMarket
+/// coordinate real general.
 /// @param part of .npz and .h5: an array "part" of its number, the number of parts, and the work
-/// @throws FileError, UsageError for another ending, InputError for what is no such matrix
+/// @throws FileError; UsageError for another ending; InputError for other contents
 void write_csr(const std::string& path, const CsrMatrix<float>& matrix, const CsrPart& part = {});
 CsrMatrix<float> read_csr(const std::string& path, CsrPart* part = nullptr);
 

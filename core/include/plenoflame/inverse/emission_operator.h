@@ -15,7 +15,7 @@ namespace plenoflame {
 
 /// The linear problem b = A x: x are samples of emission or of a source function, b fluxes of
 /// pixels [W]. Row i is the sum over the rays of the pixel of etendue times the weight that each
-/// sample has in the ray's radiance (docs/reconstruct.md).
+/// sample has in the ray's radiance (docs/theory/reconstruction.md).
 struct EmissionProblem {
   const CameraRays* rays = nullptr;
   const Unknowns* unknowns = nullptr;
@@ -26,9 +26,11 @@ struct EmissionProblem {
 /// Entries that the stored matrix will have, from a sample of its rows: at 8 byte each.
 std::size_t estimated_entries(const EmissionProblem& problem);
 
-/// Entries that it will have at the least, before rays are drawn: those of a sample of the rows
-/// that the fewest rays find, less three standard errors. 0 where all are drawn as fast.
-/// @param problem of no rays yet @throws as draw_camera_rays()
+/// Lower bound of the number of entries, before rays are drawn. One ray per replicate finds the
+/// rows, and a sample of them is drawn in full. Three standard errors are subtracted. 0 if drawing
+/// all rays takes no longer.
+/// @param problem without rays yet
+/// @throws as draw_camera_rays()
 double least_entries(const EmissionProblem& problem, const std::vector<CameraView>& views,
                      const CameraRaySettings& settings, const Execution& execution);
 
@@ -38,15 +40,15 @@ CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Exec
 /// The same as rows that become part of a larger matrix, some thousand of them.
 CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution);
 
-/// The same without a matrix: rays are followed again each time. What it points to must outlive it.
-/// apply() is the same for any number of threads, and so is apply_transpose(), which sums up parts
-/// of rows that do not depend on them. Both throw Cancelled soon after a stop of `execution`, also
-/// in the middle of a product.
+/// The same operator without a matrix: it follows the rays again in each product. Everything that
+/// `problem` points to must outlive it. The results of apply() and apply_transpose() do not depend
+/// on the number of threads. Both throw Cancelled soon after a stop of `execution`, also within a
+/// product.
 std::unique_ptr<LinearOperator> make_emission_operator(const EmissionProblem& problem,
                                                        const Execution& execution);
 
-/// The parts of A x that the rays of the first and of the second replicate make up, for at most
-/// some thousands of rows that are spread evenly; nothing for rays of one replicate.
+/// The parts of A x that come from the rays of the first two replicates, for some thousand evenly
+/// spread rows at most. Empty for rays of one replicate.
 /// @throws Cancelled
 std::vector<std::array<double, 2>> replicate_fluxes(const EmissionProblem& problem,
                                                     std::span<const double> x,

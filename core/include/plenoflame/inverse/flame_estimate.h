@@ -20,10 +20,10 @@ struct FlameEstimate {
 inline constexpr double kAmbient = 293.15;
 
 /// Temperatures follow from the source function where it is above `threshold` times its largest
-/// value, and above that of the surroundings: what emits nothing has no temperature. Beside what
-/// has one it takes the mean temperature of its neighbours, weighted by their light, and so little
-/// absorption that its emission is what was found: fields of temperature are interpolated before
-/// they shine, and cold samples beside hot ones would take light away from the cells between.
+/// value and above that of the surroundings. Darker unknowns have no temperature. Beside hot ones
+/// they get the mean temperature of their neighbours, weighted by light, and so little absorption
+/// that their emission is unchanged. This matters because the renderer interpolates temperatures:
+/// cold samples beside hot ones would darken the cells between.
 FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold = 1e-4);

@@ -18,10 +18,10 @@ struct NonlinearProblem {
   std::vector<double> lower = {}, upper = {};  ///< bounds of x; empty: none
 };
 
-/// Gauss-Newton steps with Levenberg's damping (Levenberg 1944, Marquardt 1963), each by conjugate
-/// gradients on J (J^T J is never formed); steps end at the bounds, and what is held there by the
-/// gradient does not take part. Model and derivative may throw Cancelled after a stop: the step
-/// before is the solution then.
+/// Gauss-Newton steps with Levenberg's damping (Levenberg 1944, Marquardt 1963). Each step is
+/// solved by conjugate gradients on J; J^T J is never formed. Steps end at the bounds; variables
+/// that the gradient holds at a bound are left out. Model and derivative may throw Cancelled after
+/// a stop: the solution is then the previous step.
 /// @throws UsageError where sizes do not fit or there is no start
 Solution solve_gauss_newton(const NonlinearProblem& problem, const Regularisation& regularisation,
                             const SolverOptions& options, const Execution& execution = {});

@@ -6,11 +6,12 @@
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/inverse/unknowns.h"
 
-/// Light in the pictures that is not the flame's: of solid surfaces that glow or are lit by lamps,
-/// and of the surroundings. The scene tells it, so that it is a known part of every row.
+/// Light in the pictures that does not come from the flame. Solid surfaces emit it or reflect the
+/// light of lamps; the surroundings emit it as well. It follows from the scene, so it is a known
+/// part of every row.
 namespace plenoflame {
 
-/// True if a scene has such light. That of the flame itself on surfaces does not count.
+/// True if a scene has such light. Light of the flame itself that surfaces reflect does not count.
 bool shines_without_flames(const CompiledScene& scene);
 
 /// Light of a scene without its flames, as an absorption lets it through [W], for each row; empty

@@ -17,10 +17,10 @@ class LinearOperator {
   virtual void apply(std::span<const double> x, std::span<double> y) const = 0;
   /// x = A^T y: the exact adjoint of apply(), up to rounding.
   virtual void apply_transpose(std::span<const double> y, std::span<double> x) const = 0;
-  /// Sum over all entries of (w_i a_ij)^2, the trace of A^T W^2 A.
+  /// Sum over all entries of (w_i a_ij)^2, the trace of A^T W^2 A. An operator that does not know
+  /// its entries estimates it to some per cent by probing with random signs of fixed seed
+  /// (Hutchinson).
   /// @param weights w, one for each row; empty: all 1
-  /// An operator that does not know its entries estimates it by probing with random signs of fixed
-  /// seed (Hutchinson), to some percent.
   virtual double squared_norm(std::span<const double> weights) const;
 };
 

@@ -21,7 +21,7 @@ struct Measurement {
   /// over a block, while noise averages out.
   double model_error = 0;
   double electron = 0;  ///< [W] of one electron: the flux has shot noise; 0: none that is known
-  double dark = 0;      ///< [W] of the dark signal, which was taken away and has shot noise as well
+  double dark = 0;      ///< [W] of the subtracted dark signal, which has shot noise as well
   /// Relative standard error of all fluxes together: of a radiometric calibration (the picture's
   /// number "scale.error.CHANNEL").
   double scale_error = 0;
@@ -35,13 +35,13 @@ bool may_be_taken_by(const LightField& picture, const Scene& scene);
 /// True if a picture says that this very camera has taken it.
 bool was_taken_by(const LightField& picture, const Scene& scene);
 
-/// Takes a channel of a picture: fluxes [W] as render writes them, or electrons as develop writes
-/// them, whose dark signal is taken away: of a sensor with shot noise in both. The deviation is
-/// that of the picture (standard error, or shot and read noise); `noise` times the largest flux is
-/// the error of the model.
+/// Takes a channel of a picture: fluxes [W] from render, or electrons from develop. The dark signal
+/// of electrons is subtracted; its shot noise stays in the deviation. The deviation is that of the
+/// picture (standard error, or shot and read noise); `noise` times the largest flux is the error of
+/// the model.
 /// @param channel number of the scene's channel @param what names the picture in messages
-/// @throws InputError: the picture does not belong to the scene (sensor, camera, channel, unit);
-///         NaN or infinite values (names the pixel); no noise is known and `noise` is 0
+/// @throws InputError: the picture does not belong to the scene (sensor, camera, channel, unit)
+/// @throws InputError: NaN or infinite values (names the pixel); no noise is known and `noise` is 0
 Measurement take_measurement(const LightField& picture, const Scene& scene, std::size_t channel,
                              double noise, const std::string& what = "the picture");
 

@@ -35,10 +35,10 @@ std::unique_ptr<LinearOperator> make_penalty(const PenaltyGrid& grid);
 /// with that tenth as the unit of length. It is the unit of penalties, whatever the grid's step.
 double reference_penalty(const PenaltyGrid& grid);
 
-/// Factor by which |L x|^2 is multiplied for a relative strength of 1: |W A u|^2 / reference. The
-/// penalty of the reference's field is then as large as the misfit of leaving out the uniform flame
-/// u: a number that depends neither on units, brightness and rows nor on the grid's step.
-/// @param weights W, of A's rows; empty: all 1 @param uniform u: the value 1 in all that take part
+/// Factor on |L x|^2 for a relative strength of 1: |W A u|^2 / reference. The penalty of the
+/// reference field is then as large as the misfit without the uniform flame u. The factor cancels
+/// units, brightness, number of rows and the grid's step.
+/// @param weights W, of A's rows; empty: all 1 @param uniform u: 1 for all unknowns that take part
 /// @param reference reference_penalty()
 double penalty_unit(const LinearOperator& a, std::span<const double> weights,
                     std::span<const double> uniform, double reference);

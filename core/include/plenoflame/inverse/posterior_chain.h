@@ -6,18 +6,18 @@
 
 namespace plenoflame {
 
-/// How a posterior differs from the Gaussian that was taken for it.
+/// The difference between a posterior and its Gaussian approximation.
 struct PosteriorChain {
-  double width = 1;     ///< RMS distance from the mode over that of the Gaussian, in the mean
-  double accepted = 1;  ///< share of steps that were taken
+  double width = 1;     ///< RMS distance from the mode over the Gaussian's, on average
+  double accepted = 1;  ///< share of accepted steps
 };
 
 /// A Markov chain by the preconditioned Crank-Nicolson proposal about the Gaussian's mode (Cotter,
-/// Roberts, Stuart and White 2013). Beside it a chain that takes every step tells the Gaussian's
-/// width by the same random numbers: without an excess the ratio is exactly 1.
+/// Roberts, Stuart and White 2013). A second chain with the same random numbers accepts every step
+/// and measures the Gaussian's width. Without an excess the ratio of widths is therefore exactly 1.
 /// @param draws of the Gaussian, about 0, at least 2; each is one step
-/// @param excess of a displacement from the mode. It is minus the logarithm of the posterior's
-/// density over the Gaussian's, up to a constant; infinite where there is no density
+/// @param excess of a displacement from the mode: minus the logarithm of the posterior's density
+///        over the Gaussian's, up to a constant. Infinite where there is no density
 /// @param weights of the entries in the mean
 PosteriorChain run_posterior_chain(const std::vector<std::vector<double>>& draws,
                                    const std::function<double(std::span<const double>)>& excess,

@@ -36,14 +36,14 @@ enum class ReconstructionSolver {
 };
 /// Tells whether the solver has a penalty, whose strength can be chosen.
 bool is_penalised(ReconstructionSolver solver);
-/// Tells whether it goes through the rows of the stored matrix.
+/// Tells whether the solver needs the rows of the stored matrix.
 bool wants_matrix(ReconstructionSolver solver);
 
 /// A state of a reconstruction while it runs.
 struct ReconstructionState {
   std::span<const double> values;  ///< of the unknowns, as Reconstruction's, or temperatures [K]
   bool temperatures = false;
-  bool choosing = false;   ///< a strength is tried; otherwise it is the solution that comes about
+  bool choosing = false;   ///< a strength is tested; otherwise it is the solution itself
   double chi_squared = 0;  ///< per row
 };
 
@@ -58,18 +58,18 @@ struct ReconstructionSettings {
   int iterations = 300;
   int subsets = 4;         ///< of sart and osem
   double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.05
-  /// Unknowns are taken for empty that lie behind dark pixels of any view.
+  /// Unknowns behind dark pixels of any view count as empty.
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).
   bool ray_noise = true;
   int draws = 30;               ///< of the posterior, for the standard deviations; 0: none
   bool test_model = false;      ///< suspect.h; it takes seven solutions for each camera
   bool test_absorption = true;  ///< with them, where the absorption is known
-  /// Quantities that were corrected: the test estimates what is left of them.
+  /// Quantities that were corrected: the test estimates their remaining errors.
   std::vector<Suspect> corrected;
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
-  double memory = 2e9;  ///< [byte] that a stored matrix may take; rays are followed again otherwise
+  double memory = 2e9;  ///< [byte] that a stored matrix may take; above, rays are followed again
   /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
   SharedAssembly* assembly = nullptr;
   /// Called after each iteration, by the thread that reconstructs.
@@ -81,22 +81,22 @@ struct ReconstructionInput {
   std::vector<Measurement> measurements;  ///< one for each view
   const Unknowns* unknowns = nullptr;
   std::vector<double> absorption;  ///< [1/m] of each unknown; empty: none is known
-  std::vector<double> start = {};  ///< values to go on from, as Reconstruction's; empty: none
-  std::vector<double> prior = {};  ///< values that the penalty draws to; empty: 0
+  std::vector<double> start = {};  ///< start values, as Reconstruction's; empty: none
+  std::vector<double> prior = {};  ///< values towards which the penalty pulls; empty: 0
   std::vector<char> support = {};  ///< 0: the unknown is known to be empty; empty: of none
-  /// The channel's, for rendered_chi_squared; nullptr: it is not asked for.
+  /// The channel's, for rendered_chi_squared; nullptr: that is not computed.
   const SourceFunction* source = nullptr;
-  std::vector<Vec3> spread_at = {};  ///< places whose point spreads are wanted
+  std::vector<Vec3> spread_at = {};  ///< places whose point spreads are computed
   /// Parts of each view's stop that count: rows that see others as well are left out. Empty: all.
   std::vector<std::vector<char>> parts = {};
 };
 
-/// The image that the reconstruction makes of a single unknown.
+/// The image of a single unknown in the reconstruction.
 struct PointSpread {
   std::size_t unknown = 0;
   Vec3 place;                      ///< [m] world
   std::array<double, 3> widths{};  ///< [m] half_widths() along the axes of the unknowns
-  double peak = 0;                 ///< what stays at the place: `resolved` there
+  double peak = 0;                 ///< value at the place itself: `resolved` there
 };
 
 /// A flame from its pictures.
@@ -107,43 +107,46 @@ struct Reconstruction {
   std::vector<double> values;
   /// The flame at the places of the unknowns, from these samples: values_at_places().
   std::vector<double> at_places;
-  /// Standard deviations of that (uncertainty.h), which hold the misfit beyond noise; empty: no
+  /// Standard deviations of at_places (uncertainty.h), including the misfit beyond noise. Empty: no
   /// draws, or the solver has no quadratic penalty.
   std::vector<double> deviation;
-  /// Root of chi^2 over the rows less the unknowns that they determine; at least 1. Above 1 the
-  /// pictures differ from the model by this multiple of their noise.
+  /// Root of chi^2 over the number of degrees of freedom (rows less the unknowns that they
+  /// determine); at least 1. Above 1 the pictures differ from the model by this multiple of their
+  /// noise.
   double noise_factor = 1;
-  /// Diagonal of the resolution matrix: 1 where the pictures decide, 0 where the penalty does.
+  /// Diagonal of the resolution matrix: 1 if the pictures determine the unknown, 0 if the penalty
+  /// does.
   std::vector<double> resolved;
-  double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not asked for
+  double resolved_unknowns = 0;  ///< trace of the resolution matrix; -1: not computed
 
-  /// How the posterior of temperatures differs from that of the linearised problem. Empty: there
+  /// Difference of the temperatures' posterior from that of the linearised problem. Empty: there
   /// was no chain (kMostChained).
   std::optional<PosteriorChain> chain;
 
   std::vector<char> solved;  ///< 0: the unknown was known to be empty
 
-  std::size_t rows = 0, left_out = 0;  ///< rows of A; of these, without a usable pixel
+  std::size_t rows = 0, left_out = 0;  ///< rows of A; rows among them without a usable pixel
   std::size_t rays = 0;
   std::size_t unseen = 0;  ///< unknowns that no ray meets
   std::size_t empty = 0;   ///< unknowns that dark pixels rule out
   bool stored = true;
   bool drawn = false;              ///< rays were not kept
-  double matrix_bytes = 0;         ///< stored, or what it would have taken
+  double matrix_bytes = 0;         ///< stored, or the size that it would have
   RayError rays_error;             ///< of rows, for the finite number of rays; part of the noise
   double strength = 0;             ///< chosen
-  bool strength_at_end = false;    ///< of the range that was looked at: take care
+  bool strength_at_end = false;    ///< of the tested range: it may be wrong
   bool explained_by_noise = true;  ///< false: chi^2 is above what noise explains
   std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
-  double chi_squared = 0;          ///< per row: 1 where noise explains what is left
-  /// The same of the temperatures that follow from it (flame_estimate.h), interpolated before they
-  /// shine as the renderer does; negative: not asked for, or there are none.
+  double chi_squared = 0;          ///< per row: 1 if noise explains the residuals
+  /// The same of the temperatures that follow from it (flame_estimate.h). They are interpolated
+  /// before the emission is computed, as in the renderer. Negative: not computed, or no
+  /// temperatures.
   double rendered_chi_squared = -1;
   struct Trial {
     double strength, chi_squared, penalty;
     double gcv;
   };
-  std::vector<Trial> trials;    ///< strengths that were looked at: the L-curve
+  std::vector<Trial> trials;    ///< tested strengths: the L-curve
   std::vector<double> history;  ///< chi^2 per row, iteration by iteration, of the last solution
   StopReason reason = StopReason::iterations;  ///< of that solution's end
   std::vector<PointSpread> spreads;
@@ -152,17 +155,17 @@ struct Reconstruction {
   /// Faults of the cameras, those first that the pictures name; empty: no test of the model.
   std::vector<Suspect> suspects;
   /// Per view: share of the light that pixels see which look past all unknowns, where it is above
-  /// its noise. Light of lamps and surfaces is not told from it: none then.
+  /// its noise. Empty with lamps and surfaces, whose light is not separated from it.
   std::vector<double> light_outside;
-  bool complete = true;  ///< false: stopped early; what was reached by then
+  bool complete = true;  ///< false: stopped early, with the result so far
   /// Per view, [W] what the reconstruction explains and the measured rows, at the first pixel of
   /// each row; 0 elsewhere.
   std::vector<Image> explained, residual;
 };
 
-/// [byte] that the vectors of a reconstruction take at their most, beside rays and matrix: those of
-/// the strengths that are tried, of the solver, and of the result.
-/// @param variables unknowns, each as often as it has a quantity of its own
+/// [byte] Largest memory of a reconstruction's vectors, beside rays and matrix: those of the tested
+/// strengths, of the solver, and of the result.
+/// @param variables unknowns times the number of quantities of each
 double vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
                      std::size_t variables, std::size_t rows);
 /// The same, before any of it is taken. @param more [byte] beside them
@@ -171,9 +174,9 @@ void require_vector_memory(const ReconstructionSettings& settings, const Unknown
                            std::size_t variables, std::size_t rows, double more = 0);
 
 /// @throws InputError: no ray of any camera meets the unknowns, nothing was measured there, a
-/// start,
-///         prior or support of another size, a solver or form that wants the stored matrix where
-///         memory does not suffice
+///         start, prior or support of another size
+/// @throws InputError: a solver or form that needs the stored matrix, which does not fit into
+///         memory
 /// @throws Cancelled when a stop came before there was any solution
 Reconstruction reconstruct(const ReconstructionInput& input, const ReconstructionSettings& settings,
                            const Execution& execution = {});

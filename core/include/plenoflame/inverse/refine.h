@@ -9,7 +9,7 @@ namespace plenoflame {
 
 /// Quantities of cameras that were found together with the flame.
 struct Refinement {
-  /// By how much each was larger than the scenes say, with its standard deviation.
+  /// Amount by which each quantity is larger than in the scenes, with its standard deviation.
   std::vector<Suspect> corrections;
   /// The scene of each view with its quantities corrected, and without flames; null: nothing was.
   std::vector<std::shared_ptr<const CompiledScene>> scenes;

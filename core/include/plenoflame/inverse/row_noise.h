@@ -7,23 +7,23 @@
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/measurement.h"
 
-/// The amount by which a row of the linear problem may differ from its model: noise of the
-/// pictures, and the error of the row itself, whose rays are finite in number.
+/// The expected deviation of a row of the linear problem from its model. It contains the noise of
+/// the pictures and the error of the row itself, which has a finite number of rays.
 namespace plenoflame {
 
-/// Standard error of rows for the finite number of their rays, by how bright they are: dim rows,
-/// whose microlenses and flame are seen in part, err more for their light than bright ones.
+/// Standard error of rows for the finite number of their rays, as a function of their flux. Dim
+/// rows see only part of their microlenses and of the flame, so their relative errors are larger.
 struct RayError {
   double overall = 0;         ///< RMS of the errors over RMS of the rows
   std::vector<double> flux;   ///< [W] ascending: RMS of groups of rows
   std::vector<double> error;  ///< [W] RMS in each group
   double largest = 0;         ///< [W] of all rows
 
-  /// [W] At a flux: linear between the groups, as that of the dimmest one below. Above, the last
-  /// line goes on, but never falls nor rises more than in proportion to the flux. 0 where nothing
-  /// is known.
+  /// [W] At a flux: linear between the groups, constant below the dimmest one. Above, the last line
+  /// is continued; it never falls, and rises at most in proportion to the flux. 0 if nothing is
+  /// known.
   double at(double row_flux) const;
-  /// For rows of the same rays that are so many times as bright.
+  /// For the same rays and rows that are brighter by a factor.
   RayError scaled(double factor) const;
 };
 
@@ -33,9 +33,9 @@ struct RayError {
 RayError ray_error(const EmissionProblem& problem, std::span<const double> x,
                    const Execution& execution);
 
-/// 1 / standard deviation of each row, 0 for those that are left out. Shot noise is that of the
-/// light which a model explains, not of what was counted: weights by counts prefer the rows that
-/// happened to count little, and pull every fit down by about an electron per row.
+/// 1 / standard deviation of each row; 0 for rows that are left out. Shot noise is computed from
+/// the light that a model explains. Weights by the counted light would prefer rows that counted too
+/// little by chance, and lower every fit by about an electron per row.
 /// @param explained [W] A x for an estimate of x; empty: shot noise by the counts, no error of rays
 std::vector<double> row_weights(const MeasuredRows& measured, std::span<const double> explained,
                                 const RayError& rays);

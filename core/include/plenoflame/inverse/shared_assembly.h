@@ -8,9 +8,9 @@
 
 namespace plenoflame {
 
-/// Draws the rays and makes the stored matrix of reconstructions together with other ranks, each
-/// of which is in serve_assembly(). Pieces of pictures and of rows go to whoever is free; the bits
-/// are those of draw_camera_rays() and make_emission_matrix(), for any number of ranks and threads.
+/// Draws the rays and makes the stored matrix of reconstructions together with other ranks, each of
+/// which is in serve_assembly(). Free ranks take the next piece of pictures or rows. The bits are
+/// those of draw_camera_rays() and make_emission_matrix(), for any number of ranks and threads.
 /// Rank 0 keeps rays and matrix, and solves by itself.
 class SharedAssembly {
  public:

@@ -29,29 +29,29 @@ struct Regularisation {
 enum class StopReason {
   iterations,   ///< all that were allowed
   discrepancy,  ///< the misfit is as small as the noise lets expect
-  change,       ///< the solution hardly changes any more
+  change,       ///< the solution changes by less than the limit
   converged,    ///< the gradient is zero up to rounding
   stopped,      ///< Execution::stop
 };
 std::string name_of(StopReason reason);
 
-/// Says when a solver stops, and what it reports.
+/// Criteria for the end of a solver, and its reports.
 struct SolverOptions {
   int iterations = 100;
   /// Stop when an iteration changes x by less than this, relative to x; 0: never.
   double relative_change = 1e-4;
-  /// Stop when |W (A x - b)|^2 is at most this; 0: never. The number of rows with a weight is what
-  /// the noise lets expect.
+  /// Stop when |W (A x - b)|^2 is at most this; 0: never. Its expectation for pure noise is the
+  /// number of rows with a weight.
   double misfit = 0;
   /// Stop of cgls, lsqr and nnls when half of the objective's gradient is no longer than this; 0:
-  /// never. noise_gradient() is a measure of it. A change of x, in contrast, is also small where
-  /// steps are short: after a start, or with a strong penalty.
+  /// never. noise_gradient() gives a suitable value. The change of x is a worse criterion, because
+  /// it is also small with short steps: after a start, or with a strong penalty.
   double gradient = 0;
   std::vector<double> start = {};  ///< empty: 0, or 1 for solvers that multiply
   /// Called after each iteration, with x.
   std::function<void(int iteration, double misfit, std::span<const double> x)> watch = {};
-  /// Has x and history of the last whole iteration, after each: an operator may throw Cancelled in
-  /// the middle of the next. May be nullptr.
+  /// Receives x and history after each complete iteration, because an operator may throw Cancelled
+  /// within the next one. May be nullptr.
   struct Solution* kept = nullptr;
 };
 
@@ -63,7 +63,7 @@ struct SolverStep {
   double change = 0;   ///< |x - x before| / |x|
 };
 
-/// A solution with its history; `x` as the next start goes on from there.
+/// A solution with its history. A further solution may start from `x`.
 struct Solution {
   std::vector<double> x;
   std::vector<SolverStep> history;
@@ -71,8 +71,9 @@ struct Solution {
   double misfit() const { return history.empty() ? 0 : history.back().misfit; }
 };
 
-/// All solvers throw UsageError where sizes do not fit or options are out of range, and InputError
-/// for data that are no numbers. They are stopped by execution.stop and return what is there.
+/// All solvers throw UsageError for sizes that do not fit and options out of range. They throw
+/// InputError for data that are no numbers. After a stop of the execution they return the latest
+/// solution.
 
 /// Conjugate gradients on the normal equations without forming them (Hestenes and Stiefel 1952;
 /// Bjorck 1996, 7.4). x may become negative.
@@ -112,7 +113,7 @@ Solution solve_mlem(std::span<const LinearProblem> subsets, double background,
                     const SolverOptions& options, const Execution& execution = {});
 
 /// Multiplicative algebraic reconstruction (Gordon, Bender and Herman 1970), row after row: x_j *=
-/// (b_i / a_i x)^(mu a_ij / max a_i). A row of 0 clears for good what it sees.
+/// (b_i / a_i x)^(mu a_ij / max a_i). A row with b_i = 0 sets its unknowns to 0 for good.
 /// @param least rows with less change nothing, but count in the misfit; at least 0
 /// @param relaxation mu, 0 to 1 @throws InputError for a negative entry
 Solution solve_mart(const CsrMatrix<float>& matrix, std::span<const double> b, double least,

@@ -5,7 +5,7 @@
 
 namespace plenoflame {
 
-/// A strength that was tried.
+/// A tested strength.
 struct StrengthPoint {
   double strength = 0;  ///< relative: the absolute one is the unit times it
   double misfit = 0;    ///< |W (A x - b)|^2
@@ -16,7 +16,7 @@ struct StrengthPoint {
 
 struct StrengthChoice {
   double strength = 0;  ///< relative
-  /// All that were tried, in ascending order.
+  /// All tested strengths, in ascending order.
   std::vector<StrengthPoint> curve;
   /// The best one lies at the end of the range: look at the curve, or widen the range.
   bool at_end = false;
@@ -25,20 +25,19 @@ struct StrengthChoice {
 
 struct StrengthRange {
   double lowest = 1e-6, highest = 1e4;  ///< relative
-  int points = 11;                      ///< of the curve; the search goes on between two of them
+  int points = 11;                      ///< of the curve; the search continues between two of them
   int probes = 4;                       ///< random vectors for the trace
   int iterations = 500;                 ///< of each solution, at most
   /// Strengths with a larger negative part are not chosen, for unknowns that cannot be negative. A
-  /// large one pays for errors of the lattice with light that cannot be.
+  /// large negative part compensates errors of the lattice by negative light.
   double most_negative = 1;
 };
 
 /// The strength of least generalised cross-validation (Golub, Heath and Wahba 1979), of the problem
-/// without bounds. The number m is that of independent errors: of rows, but at most five for each
-/// unknown. Errors of a lattice are shared by the pixels that see them. Strengths are tried from
-/// the strongest to the weakest, until two in a row are worse than the best; then others about the
-/// best one.
-/// @param unit the absolute strength for a relative one of 1, e.g. penalty_unit()
+/// without bounds. The number m counts independent errors: one per row, but at most five for each
+/// unknown, because pixels share the errors of the lattice. Strengths are tested from the strongest
+/// to the weakest, until two in a row are worse than the best. Further ones about the best one
+/// follow.
 /// @param options start, end and watch of the solutions; the range has their iterations
 /// @throws UsageError for an empty range
 StrengthChoice choose_strength(const LinearProblem& problem, const Regularisation& penalty,

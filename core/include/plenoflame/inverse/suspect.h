@@ -4,7 +4,7 @@
 
 namespace plenoflame {
 
-/// A quantity that the model takes for known, and that may be wrong: of a camera, or of the flame.
+/// A quantity of a camera or of the flame that the model treats as known, and that may be wrong.
 enum class SuspectKind {
   exposure,     ///< relative to those of the other cameras
   stray_light,  ///< [W] the same in every row
@@ -12,8 +12,8 @@ enum class SuspectKind {
   up,           ///< [m] the same upwards
   forward,      ///< [m] the same along its line of sight
   turn,         ///< [rad] about the line of sight
-  /// Relative change of the distance that it is focused on. In the mode `distance` it is that of
-  /// the distance from lens to array, by which that is smaller.
+  /// Relative change of the distance in focus. In the mode `distance` it is the relative reduction
+  /// of the distance from lens to array.
   focus,
   absorption,  ///< relative, everywhere; of no camera
 };
@@ -22,10 +22,10 @@ enum class SuspectKind {
 struct Suspect {
   SuspectKind kind = SuspectKind::exposure;
   std::size_t view = 0;
-  double estimate = 0;   ///< by which it is larger than the model says, if it alone is wrong
+  double estimate = 0;   ///< error of the model's value, if no other quantity is wrong
   double deviation = 0;  ///< of the estimate, the error of the model included
-  /// The pictures say that it is wrong, beside others that are named. Estimates of those that are
-  /// named belong together.
+  /// The pictures show that it is wrong, together with other named ones. Estimates of named
+  /// quantities belong together.
   bool named = false;
   bool is_same(const Suspect& other) const { return kind == other.kind && view == other.view; }
   double significance() const { return deviation > 0 ? std::fabs(estimate / deviation) : 0; }

@@ -37,9 +37,9 @@ struct ThermalChannel {
   std::vector<std::vector<ThermalPart>> parts = {};
 };
 
-/// b = f(x), fluxes [W] of the channels' rows, one channel after the other. x are the temperatures
-/// [K] of all unknowns, unless they are known, and then the logarithms ln(kappa m) of the
-/// absorptions, unless those are known.
+/// b = f(x) with the fluxes [W] of the channels' rows in b, one channel after the other. The vector
+/// x holds the temperatures [K] of all unknowns, then the logarithms ln(kappa m) of the
+/// absorptions. Known temperatures or absorptions are left out.
 struct ThermalModel {
   std::vector<ThermalChannel> channels;
   const Unknowns* unknowns = nullptr;

@@ -24,7 +24,7 @@ struct ThermalInput {
   std::vector<ThermalPictures> channels;
   const Unknowns* unknowns = nullptr;
   std::vector<double> absorption = {};  ///< [1/m] in the first channel; empty: it is solved for
-  /// Values to go on from, e.g. an earlier result; empty: from linear reconstructions.
+  /// Start values, e.g. an earlier result; empty: from linear reconstructions.
   std::vector<double> start_temperature = {}, start_absorption = {};
   /// [W/(m^3 sr)] of the first channel, what the linear reconstructions begin with.
   std::vector<double> start_emission = {};
@@ -43,10 +43,10 @@ struct ThermalSettings {
 };
 
 struct ThermalReconstruction {
-  /// The strength of the linear reconstruction that it began with; negative: there was none.
+  /// Strength of the linear reconstruction at the start; negative: there was none.
   double linear_strength = -1;
-  /// Emission is that of the first channel. Temperatures are missing where a stop came before
-  /// there were any.
+  /// The emission is the first channel's. Temperatures are missing after a stop before the first of
+  /// them.
   FlameEstimate estimate;
   /// Diagonals of the resolution matrix, of temperatures and of logarithms of absorptions.
   std::vector<double> resolved_temperature, resolved_absorption;
@@ -54,16 +54,19 @@ struct ThermalReconstruction {
   Reconstruction figures;
 };
 
-/// Temperature, and where it is not known the absorption, by Gauss and Newton's method with bounds
-/// on the renderer's own formulas (thermal_model.h): what linear reconstructions begin. The penalty
-/// acts on temperatures and on the logarithms of absorptions, with the same relative strength.
+/// Reconstructs the temperature and, if unknown, the absorption: Gauss and Newton's method with
+/// bounds on the renderer's own formulas (thermal_model.h). Linear reconstructions give the start.
+/// The penalty acts on temperatures and on the logarithms of absorptions, with the same relative
+/// strength.
+///
 /// Deviations and resolution are those of the linearised problem, by probing. With fewer than
 /// kMostChained variables a Markov chain checks them. If it is wider by more than a fifth,
-/// deviations are larger by that. The strength is chosen on the problem linearised about an
-/// approximate solution, twice: rays are followed some ten times, however many strengths are tried.
-/// A stop keeps what was reached: temperatures, or the emission of the linear reconstruction.
-/// Filters in the pupil are colours, too: with parts of two colours one channel tells both.
-/// @throws UsageError: the absorption is solved for with one colour only, which knows no more than
+/// deviations are multiplied by the ratio. The strength is chosen three times, each time on the
+/// problem linearised about the latest solution. Rays are followed about ten times for any number
+/// of strengths. After a stop the result holds the temperatures of the last step, or the emission
+/// of the linear reconstruction. Filters in the pupil count as colours: one channel with parts of
+/// two colours determines both quantities.
+/// @throws UsageError: absorption is unknown and there is one colour only, which determines just
 ///         the emission
 /// @throws InputError and Cancelled as reconstruct()
 ThermalReconstruction reconstruct_thermal(const ThermalInput& input,

@@ -7,23 +7,24 @@
 
 #include "plenoflame/inverse/solvers.h"
 
-/// The worth of a regularised solution: how much of it comes from the data, and how uncertain it
-/// is. The penalty is a Gaussian prior, whose inverse covariance is strength L^T L. Deviations are
-/// those of the posterior, whose covariance is N^-1 with N = A^T W^2 A + strength L^T L. They hold
-/// what the penalty takes away, as far as the prior holds. Bounds of the solution play no part.
+/// Resolution and uncertainty of a regularised solution: the share of the data in it, and its
+/// standard deviations. The penalty is a Gaussian prior with the inverse covariance strength L^T L.
+/// The posterior has the covariance N^-1 with N = A^T W^2 A + strength L^T L. Its deviations
+/// include the bias of the penalty, as far as the prior is right. Bounds of the solution are
+/// ignored.
 namespace plenoflame {
 
 /// Resolution and deviations by linear algebra.
 struct Uncertainty {
-  /// Diagonal of the resolution matrix N^-1 A^T W^2 A: 1 where the data alone decide, 0 where they
-  /// say nothing.
+  /// Diagonal of the resolution matrix N^-1 A^T W^2 A. 1 where the data alone determine the
+  /// unknown, 0 where they contain no information about it.
   std::vector<double> resolved;
   /// Standard deviation: square root of the diagonal of N^-1.
   std::vector<double> deviation;
   double resolved_unknowns = 0;  ///< trace of the resolution matrix
 };
 
-/// How far iterations go.
+/// Limits of the iterations.
 struct ProbeAccuracy {
   int iterations = 2000;
   double relative_change = 1e-9;
@@ -37,8 +38,8 @@ Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisati
                                 const ProbeAccuracy& accuracy = {});
 
 /// Draws of the posterior about its mean, by perturbing data and prior (Papandreou and Yuille
-/// 2010). A draw is the solution, from 0, for data and a prior that are noise. 30 draws tell a
-/// deviation to 13 %.
+/// 2010). A draw is the solution, from 0, for data and a prior that are noise. With 30 draws a
+/// deviation is known to 13 %.
 /// @param draws at least 1 @param use called with each of them
 void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation, int draws,
                     std::uint64_t seed, const std::function<void(std::span<const double>)>& use,

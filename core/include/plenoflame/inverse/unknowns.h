@@ -26,7 +26,7 @@ class Unknowns {
   virtual bool is_linear() const { return true; }
   /// World box outside of which every basis function is 0.
   virtual Box bounds() const = 0;
-  /// World place that an unknown stands for (of a ring, one of its points).
+  /// World place of an unknown (for a ring, one of its points).
   virtual Vec3 place(std::size_t unknown) const = 0;
   /// Volume that an unknown fills [m^3], the integral of its basis function.
   virtual double volume(std::size_t unknown) const = 0;
@@ -37,10 +37,11 @@ class Unknowns {
   virtual VoxelField field(std::span<const double> values, const std::string& name) const = 0;
 };
 
-/// Values at the places of the unknowns of a smooth field, from the samples whose straight lines
-/// come nearest to it. Such lines cut corners: in least squares samples lie a twelfth of the second
-/// difference beyond the field, which is brought back along each axis. Sums stay as they are.
-/// @param solved unknowns of which it is 0 are and stay empty; empty: none
+/// Values at the places of the unknowns of a smooth field, whose samples are the best fit by linear
+/// interpolation. Straight lines cut corners. In least squares, samples therefore differ from the
+/// field by a twelfth of the second difference, which is corrected along each axis. Sums are
+/// unchanged.
+/// @param solved 0: the unknown is and stays empty; empty: none is
 std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const double> samples,
                                      const std::vector<char>& solved);
 /// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.
@@ -51,7 +52,7 @@ std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const 
 std::unique_ptr<Unknowns> make_voxel_unknowns(const RegularLattice& lattice);
 
 /// Rings around an axis: samples at radius i * radial_step (0 <= i < rings) and at height j *
-/// height_step above the base (0 <= j < heights), linear in between, 0 outside; unknown (i, j) has
+/// height_step above the base (0 <= j < heights). Linear in between, 0 outside; unknown (i, j) has
 /// the number i * heights + j.
 struct RingGrid {
   Vec3 base;                                ///< [m] world; the point of the axis at height 0

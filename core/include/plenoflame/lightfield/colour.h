@@ -17,9 +17,9 @@ struct ColourSettings {
   double saturation = 0;  ///< of Y, or of each of the three; 0: automatic_saturation() of it
 };
 
-/// A colour picture that a person looks at: 8 bits per sample, through the transfer function of
-/// sRGB. Colours that sRGB does not have, and what is brighter than white, are cut to the nearest
-/// edge of each channel. @throws InputError for images of different sizes, or not finite values
+/// A colour picture for display: 8 bits per sample, through the transfer function of sRGB. Colours
+/// outside of sRGB, and those brighter than white, are clamped in each channel.
+/// @throws InputError for images of different sizes, or values that are not finite
 PngImage colour_picture(const std::array<const Image*, 3>& images, const ColourSettings& settings);
 
 /// The channels of a light field that are a colour picture.
@@ -29,13 +29,14 @@ struct ColourChannels {
   bool present() const { return !names[0].empty(); }
 };
 
-/// The channels with the responses cie_x, cie_y and cie_z; or else with those of a camera that end
-/// in _red, _green and _blue; or else those named so: red, green, blue or R, G, B. Bands of other
-/// names are not taken for colours.
+/// The channels with the responses cie_x, cie_y and cie_z. Without them: channels with the
+/// responses of a camera that end in _red, _green and _blue. Without those: channels of the names
+/// red, green, blue or R, G, B. Other channels are not used as colours.
 ColourChannels colour_channels(const Scene& scene);
 
-/// A light field with the three channels red, green and blue in linear sRGB or as they are; layers
-/// stay, standard errors do not. @throws InputError for a channel that is missing
+/// A light field with the three channels red, green and blue, in linear sRGB or as they are. Layers
+/// stay, standard errors do not.
+/// @throws InputError for a channel that is missing
 LightField colour_field(const LightField& light_field, const ColourChannels& colours);
 
 }  // namespace plenoflame

@@ -21,15 +21,16 @@ struct DevelopedImage {
 /// Share of the pixels with light that automatic exposure does not let exceed saturation.
 inline constexpr double kAutomaticExposure = 0.999;
 
-/// Automatic exposure: the least flux [W] that at least kAutomaticExposure of the pixels with
-/// light (flux above 0, however little) do not exceed; with fewer than 1000 of them, the largest
-/// flux. 0 for a dark image.
+/// Automatic exposure: the smallest flux [W] that is not exceeded by at least kAutomaticExposure of
+/// the lit pixels (flux above 0). With fewer than 1000 lit pixels it is the largest flux. 0 for a
+/// dark image.
 double automatic_saturation(const Image& flux);
 
 /// Sensor response without noise: digital number = round(flux / saturation * (2^bits - 1)), clipped
-/// to [0, 2^bits - 1]. The picture's samples are the digital numbers spread over 16 bits (curve
-/// linear: digital number = sample >> (16 - bits)), or those through the transfer function of sRGB
-/// (IEC 61966-2-1; curve display). A dark image with automatic exposure becomes black.
+/// to [0, 2^bits - 1]. The picture's samples have 16 bits. With the linear curve they are scaled
+/// digital numbers: digital number = sample >> (16 - bits). With the curve for display they pass
+/// through the transfer function of sRGB (IEC 61966-2-1). A dark image with automatic exposure
+/// becomes black.
 /// @param channel name; empty: the first
 /// @throws InputError: unknown channel (lists those present), a pixel that is not finite, bits
 ///         outside 1 to 16, a negative saturation

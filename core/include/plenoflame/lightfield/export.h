@@ -38,7 +38,7 @@ const std::array<ExportName, 10>& export_formats();
 struct ExportSettings {
   ExportFormat format = ExportFormat::npz;
   std::string name = "lightfield";  ///< stem of the files' names
-  ViewSettings views;               ///< for the formats that have them, but for views.grid
+  ViewSettings views;               ///< for the formats with views; views.grid is ignored
   int grid = 0;                     ///< views along a side; 0: as the tool expects
   ColourChannels colour;  ///< of pictures, where the tool knows colour; none: grey of views.channel
   double saturation = 0;  ///< [W] (formats of raw images) that becomes white; 0: automatic

@@ -33,10 +33,11 @@ struct PointTruth {
 std::vector<PointTruth> project_point(const Camera& camera, Vec3 world,
                                       const Execution& execution = {});
 
-/// Adds six layers to a raw image: "chief.x", ".y", ".z" [m] where the chief ray of the pixel
-/// leaves the plane of the front vertex, and "chief.dx", ".dy", ".dz", its unit direction into the
-/// scene, in world axes: the ray of the pixel's centre through the middle of the microlens whose
-/// micro-image it is in. NaN between micro-images. @throws Cancelled
+/// Adds six layers to a raw image, in world axes. The layers chief.x, .y, .z [m] are the point
+/// where the chief ray of the pixel leaves the plane of the front vertex. The layers chief.dx, .dy,
+/// .dz are its unit direction into the scene. The chief ray runs from the pixel's centre through
+/// the middle of the microlens whose micro-image the pixel is in. NaN between micro-images.
+/// @throws Cancelled
 void add_chief_rays(const MicroImages& images, LightField& light_field,
                     const Execution& execution = {});
 

@@ -20,12 +20,12 @@ namespace plenoflame {
 void check_raw_image(const LightField& light_field, const CameraSpec& camera,
                      const std::string& what = "the light field");
 
-/// The place of every micro-image on the sensor, which ray each of its points stands for, and how
-/// much light falls there: traced with the exact optics at some distances from the axis,
+/// The place of every micro-image on the sensor, the chief ray of each of its points, and the white
+/// light there. Values are traced with the exact optics at some distances from the axis and
 /// interpolated between. Nothing is rounded to whole pixels. Sensor points are camera x, y [m].
 class MicroImages {
  public:
-  /// @param white whether white() will be asked for: costs most of the time
+  /// @param white whether white() will be called: costs most of the time
   /// @throws InputError without array, or when no light gets through
   explicit MicroImages(const Camera& camera, bool white = true, const Execution& execution = {});
 
@@ -81,8 +81,8 @@ class MicroImages {
   };
   ToPlane to_plane(const Place& place, double depth) const;
 
-  /// Etendue [m^2 sr] of the pixel centred at a sensor point, through this microlens alone: its
-  /// flux [W] when everything has the radiance 1 W/(m^2 sr).
+  /// Etendue [m^2 sr] of the pixel centred at a sensor point, through this microlens alone. It is
+  /// the pixel's flux [W] in a scene of radiance 1 W/(m^2 sr).
   double white(const Place& place, Vec2 sensor_point) const;
 
   /// The light of a pixel from a uniform scene of radiance 1 W/(m^2 sr), in its parts [W].
@@ -143,12 +143,12 @@ class MicroImages {
     double reach_ = 0;
   };
 
-  /// The white light of the pixels around one micro-image. Where micro-images touch or overlap, a
-  /// pixel gets light through several microlenses; the edge of the stop is out of focus on the
-  /// sensor, so that this begins well inside the geometric rim.
+  /// The white light of the pixels around one micro-image. If micro-images touch or overlap, a
+  /// pixel gets light through several microlenses. The edge of the stop is out of focus on the
+  /// sensor, so the overlap begins well inside the geometric rim.
   class LocalWhite {
    public:
-    /// @param radius [m] how far from the centre of the micro-image it will be asked for
+    /// @param radius [m] largest distance from the centre of the micro-image that will be evaluated
     LocalWhite(const MicroImages& micro_images, LensIndex lens, double radius);
     White operator()(Vec2 sensor_point) const;
     /// Fills pixels.own and pixels.total: what the operator says, to single precision, and much
@@ -167,8 +167,8 @@ class MicroImages {
     bool dark = true;
     double centre = 0, radius = 0;  ///< [m]
     double stop = 0;  ///< [m] from its middle, where the ray of the centre meets the stop
-    /// Coefficients of the chief ray's x and y at z = 0 and its slopes, over the monomials of
-    /// degree up to 5 in (s - centre) / radius.
+    /// Coefficients of the chief ray at z = 0 (x, y and slopes), over the monomials of degree up to
+    /// 5 in (s - centre) / radius.
     Lines line{};
     double white_half = 0;  ///< [m] half the side of the tables
     double reach = 0;       ///< [m] no light farther from the centre

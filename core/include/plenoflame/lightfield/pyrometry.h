@@ -10,8 +10,9 @@ namespace plenoflame {
 struct PyrometrySettings {
   /// Bins whose mean is below this share of the largest, in either channel, have no temperature.
   double threshold = 0.01;
-  /// Nor have those whose light is less than so many of its standard errors: the error of a ratio
-  /// is proportional to that of its parts while these are small only, and noise would choose.
+  /// Bins with light below this number of standard errors have no temperature. A ratio's error is
+  /// proportional to the errors of its parts only while these are small. Otherwise noise would
+  /// select bins.
   double least_signal_to_noise = 2;
 };
 

@@ -28,23 +28,22 @@ struct RefocusedImage {
   Vec2 corner;       ///< [m] camera x, y on that plane of the outer corner of pixel (0, 0)
 };
 
-/// The picture of a lens that is focused on the plane at this depth: every raw pixel is carried
-/// along its chief ray (MicroImages) to the plane and spread there over the pixels that it meets,
-/// light and white light apart; their ratio is the picture. It needs no focal plane of the array,
-/// so that focused and unfocused cameras are treated alike. Pixels between the samples, where the
-/// samples lie farther apart than the picture's pixels, are filled from coarser levels.
-/// The result does not depend on the number of threads.
+/// The picture of a lens that is focused on the plane at this depth. Every raw pixel is carried
+/// along its chief ray (MicroImages) to the plane and spread there over the pixels that it meets.
+/// Light and white light are summed separately; their ratio is the picture. The method needs no
+/// focal plane of the array, so it treats focused and unfocused cameras alike. If samples are
+/// sparser than the picture's pixels, the gaps are filled from coarser levels. The result does not
+/// depend on the number of threads.
 /// @throws InputError: depth not beyond the front focal plane, settings out of range, unknown
-/// channel,
-///         pixels that are not finite
+///         channel, pixels that are not finite
 RefocusedImage refocus(const LightField& light_field, const MicroImages& micro_images,
                        const RefocusSettings& settings, const Execution& execution = {});
 
-/// The weight of each type of microlens at a depth: 1 when its blur is at most a pixel of the
-/// sensor, or what a pixel of the picture takes up on the sensor, or as small as any type's;
-/// falling with the fourth power of the blur beyond. In a coarse picture all types count, since the
-/// more there are the more evenly their samples lie. Blur as in depth_of_field() (camera/design.h),
-/// from first-order optics.
+/// The weight of each type of microlens at a depth. It is 1 if the type's blur is at most a pixel
+/// of the sensor or a picture pixel's size on the sensor. It is also 1 for the type with the
+/// smallest blur. Beyond, it falls with the fourth power of the blur. In a coarse picture all types
+/// count, because more samples are spread more evenly. Blur as in depth_of_field()
+/// (camera/design.h), from first-order optics.
 /// @param pixel [m] side of a pixel of the picture on the plane at `depth`
 std::vector<double> type_weights(const Camera& camera, double depth, double pixel);
 
@@ -53,12 +52,12 @@ std::vector<double> type_weights(const Camera& camera, double depth, double pixe
 struct FocusStack {
   std::vector<RefocusedImage> planes;
   /// Per pixel the plane on which its samples, seen from different places of the main lens, agree
-  /// best: least variance of the samples' radiance over the square of its mean, both over 5 x 5
-  /// pixels. A place that has less than some hundredths of the stack's brightest one in a plane is
-  /// dark there, and evenly so.
+  /// best. This is the plane with the least variance of the samples' radiance over the square of
+  /// its mean, both over 5 x 5 pixels. A place below some hundredths of the stack's brightest one
+  /// counts as dark in that plane, and its samples as equal.
   Image all_in_focus;  ///< radiance there [W/(m^2 sr)]
-  /// [m] between the planes by a parabola through the variances of three; for opaque scenes: a
-  /// flame is transparent and has no single depth. 0 where nothing was seen.
+  /// [m] Interpolated between the planes by a parabola through the variances of three. Only for
+  /// opaque scenes: a flame is transparent and has no single depth. 0 where nothing was seen.
   Image depth;
   /// 0: all depths fit alike (no texture); towards 1: one fits much better than the mean does.
   Image confidence;

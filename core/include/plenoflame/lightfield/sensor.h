@@ -43,24 +43,25 @@ double electrons_per_joule(const SensorSpec& sensor, double wavelength);
 /// Share of the full well that automatic exposure fills.
 inline constexpr double kAutomaticFill = 0.95;
 
-/// Exposure [s] after which all but 0.1 % of the pixels with light hold at most kAutomaticFill of
-/// the full well; 0 when nothing is lit. @param channels as of expose()
+/// Exposure [s] after which all but 0.1 % of the lit pixels hold at most kAutomaticFill of the full
+/// well. 0 if no pixel is lit.
+/// @param channels as of expose()
 double automatic_exposure(const std::vector<SensorChannel>& channels, const SensorSpec& sensor);
 
-/// One frame: mean electrons = flux * time * electrons_per_joule + dark current * time; Poisson's
-/// law; the full well; read noise; digital number = round(electrons / gain + black level), limited
-/// to the converter's range, with the gain and black level
-/// of resolved_levels() (camera/sensor_levels.h). The noise of a pixel
-/// depends on the seed, the frame's number and the pixel's place on the sensor only.
+/// One frame. The steps are: mean electrons = flux * time * electrons_per_joule + dark current *
+/// time; Poisson's law; the full well; read noise. Then: digital number = round(electrons / gain +
+/// black level), limited to the converter's range. Gain and black level are those of
+/// resolved_levels() (camera/sensor_levels.h). The noise of a pixel depends only on the seed, the
+/// frame's number and the pixel's place on the sensor.
 /// @param channels one, or three for a mosaic   @param sensor_width columns of the whole sensor
 /// @throws InputError: images of different sizes, a value that is not finite, a full well of 0
 SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow window, int sensor_width,
                    const SensorSpec& sensor, const FrameSettings& settings,
                    const Execution& execution = {});
 
-/// For a light field that holds electrons, the exposure time [s] of a channel, 0 when it is not
-/// known; and the electrons of dark current in it. The numbers are "sensor.exposure_time" and
-/// "sensor.dark_electrons", with ".CHANNEL" behind them where channels have exposures of their own.
+/// Exposure time [s] and electrons of dark current of a channel, for a light field that holds
+/// electrons; 0: not known. They are stored as "sensor.exposure_time" and "sensor.dark_electrons".
+/// The suffix ".CHANNEL" follows if channels have their own exposures.
 double channel_exposure(const LightField& electrons, const std::string& channel);
 double channel_dark_electrons(const LightField& electrons, const std::string& channel);
 

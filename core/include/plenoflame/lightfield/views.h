@@ -45,23 +45,23 @@ struct Views {
   std::string unit;         ///< "W/(m^2 sr)" or "W"
 };
 
-/// Sub-aperture views: for each place on the main lens one sample per microlens, at the same offset
-/// from the centre of its micro-image (sub-pixel, interpolated between pixels bilinearly), the
-/// samples then resampled to square pixels of the area that one microlens has. With white
-/// correction it is the ratio of interpolated light to interpolated white light, so that a uniform
-/// scene stays uniform up to the rim of the micro-images. Where that white light is below
-/// kLeastWhite of the axis' a sample counts as unknown.
-/// @throws InputError: unknown channel, settings out of range, a kernel that the lattice does not
-/// suit,
-///         offsets beyond the light, pixels that are not finite
+/// Sub-aperture views. Each view belongs to one place on the main lens and has one sample per
+/// microlens, at the same offset from the micro-image's centre. Samples are interpolated bilinearly
+/// between pixels and then resampled to square pixels with the area of one microlens. White
+/// correction divides interpolated light by interpolated white light, so that a uniform scene stays
+/// uniform up to the rim of the micro-images. A sample counts as unknown if its white light is
+/// below kLeastWhite of the axis' white light.
+/// @throws InputError: unknown channel, settings out of range, a kernel that does not suit the
+///         lattice, offsets beyond the light, pixels that are not finite
 Views extract_views(const LightField& light_field, const MicroImages& micro_images,
                     const ViewSettings& settings, const Execution& execution = {});
 
 inline constexpr double kLeastWhite = 0.1;
 
-/// Epipolar slice: one line of the scene as the viewpoint moves. Row v of the slice is row
-/// `line` (vertical: column `line`, from top to bottom) of view v along the middle row (column) of
-/// the grid. What stands at one depth draws straight lines, whose slope is its disparity.
+/// Epipolar slice: one line of the scene as the viewpoint moves. Row v of the slice is row `line`
+/// of view v along the middle row of the grid. If vertical, it is column `line`, from top to
+/// bottom, of view v along the middle column. Objects at one depth draw straight lines, whose slope
+/// is their disparity.
 /// @throws InputError for a line outside of the views
 Image epipolar_slice(const Views& views, int line, bool vertical);
 

@@ -6,9 +6,9 @@
 namespace plenoflame {
 
 /// Rays as a structure of arrays, in world axes. Positions are relative to `anchor`, which is
-/// chosen near the medium so that single precision suffices: a ray is the full line
-/// anchor + (x, y, z) + t (dx, dy, dz), travelled from the camera (t = t_near) into the scene.
-/// (x, y, z) may be any point of the line; it should be the one nearest to the anchor's depth.
+/// chosen near the medium so that single precision suffices. A ray is the full line anchor + p + t
+/// d with p = (x, y, z) and d = (dx, dy, dz). It runs from the camera (t = t_near) into the scene.
+/// The point p may be any point of the line; it should be the one nearest to the anchor's depth.
 /// Arrays are 64-byte aligned and padded to a multiple of kRayPadding with valid (repeated) rays.
 template <class Real>
 struct RayBatch {

@@ -8,8 +8,8 @@
 #include "plenoflame/math/vector.h"
 #include "plenoflame/media/voxel_medium.h"
 
-/// The voxel medium's quadrature apart from what is composed along it, for one ray at a time in
-/// double precision: what inversions differentiate (docs/reconstruct.md).
+/// The voxel medium's quadrature without the sum along the ray, for one ray at a time in double
+/// precision. Inversions differentiate it (docs/theory/reconstruction.md).
 namespace plenoflame {
 
 /// Samples at whole index coordinates 0 .. count - 1 of each axis; sample (i, j, k) has the number
@@ -76,8 +76,9 @@ struct IntervalTransfer {
 /// @param tau0, tau1 half the interval's length times the absorption at either node
 IntervalTransfer interval_transfer(double tau0, double tau1);
 
-/// Derivatives of what interval_transfer() gives, with regard to tau0 and tau1: [0] and [1]. The
-/// transmittance's is minus itself for both. Where a weight is cut off at 0 its derivative is 0.
+/// Derivatives of interval_transfer()'s weights with regard to tau0 and tau1: [0] and [1]. The
+/// derivative of the transmittance is minus the transmittance, for both. A weight that is clamped
+/// to 0 has the derivative 0.
 struct TransferSlopes {
   std::array<double, 2> near{}, far{};  ///< of the weights on source functions
 };
@@ -85,12 +86,12 @@ TransferSlopes transfer_slopes(double tau0, double tau1);
 
 /// The kind of samples that a row of the linear problem is for.
 enum class RowModel {
-  emission,  ///< samples of emission [W/(m^3 sr)]: emission lines, or whatever glows
+  emission,  ///< samples of emission [W/(m^3 sr)]: emission lines, or any other light
   source,    ///< samples of the source function [W/(m^2 sr)], emitted by the absorption
 };
 
-/// Weights of the intervals' nodes: the radiance that reaches the ray's near end is the sum over
-/// intervals i and nodes n of weights[i][n] * field at that node.
+/// Weights of the intervals' nodes. The radiance at the ray's near end is the sum over intervals i
+/// and nodes n of weights[i][n] * field at that node.
 /// @param absorption samples [1/m]; empty: none
 /// @param weights overwritten, one entry for each interval
 /// @return transmittance of all intervals

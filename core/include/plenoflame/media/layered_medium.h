@@ -16,7 +16,8 @@ struct EllipsoidLayer {
   double absorption = 0;   ///< [1/m]
 };
 
-/// Stratified flame of homogeneous ellipsoids: exact. Where several overlap the first listed wins.
+/// Stratified flame of homogeneous ellipsoids: exact. If several overlap, the first one listed
+/// counts.
 /// @param to_world places the local frame
 /// @param absorption_factors per channel, on the layers' absorption; empty: grey
 /// @throws InputError without layers or channels.

@@ -66,8 +66,8 @@ class Medium {
   virtual int channel_count() const = 0;
   /// World box outside of which absorption is zero.
   virtual Box bounds() const = 0;
-  /// World boxes that together hold every place with absorption; some thousand at most. What no ray
-  /// to them can show need not be looked for. The bounds, unless a medium knows better.
+  /// World boxes that together hold every place with absorption; some thousand at most. Rays that
+  /// miss all boxes see no absorption. The default is the bounds.
   virtual std::vector<Box> occupied() const { return {bounds()}; }
   /// Tells whether integrating a ray takes so much longer than tracing it through a camera that a
   /// table of radiance may pay.
@@ -101,17 +101,17 @@ class Medium {
   virtual double coefficients(Vec3 world, double* emission) const;
   /// Absorption at a point in every channel [1/m]; that of sample() in all of them when grey.
   virtual void absorptions(Vec3 world, double* each) const;
-  /// Share of the extinction at a point that is scattering, of media that have a field of it: what
-  /// they call absorption is extinction then. 0 of all others.
+  /// Scattering share of the extinction at a point. Media with such a field return their extinction
+  /// as absorption. 0 for all others.
   virtual double albedo(Vec3) const { return 0; }
-  /// A medium of one of the channels alone, which shares with this one what is large; nullptr from
-  /// media that are made anew as fast.
+  /// A medium of one of the channels alone, which shares large data with this one. Media that are
+  /// compiled as fast return nullptr.
   virtual std::shared_ptr<const Medium> single_channel(int) const { return nullptr; }
-  /// The same flame with another placement, bit for bit as if it had been made there; nullptr from
-  /// media that are made anew as fast.
+  /// The same flame with another placement, bit for bit as if compiled there. Media that are
+  /// compiled as fast return nullptr.
   virtual std::shared_ptr<const Medium> placed(const FlamePlacement&) const { return nullptr; }
   /// Appends every t at which the medium's fields have a jump or a kink along the ray (layer
-  /// surfaces, cell faces), unsorted: between neighbouring values all fields are smooth.
+  /// surfaces, cell faces), unsorted. Between neighbouring values all fields are smooth.
   virtual void append_breakpoints(const Ray& ray, std::vector<double>& t) const = 0;
   /// One line for statistics and `info`.
   virtual std::string description() const = 0;

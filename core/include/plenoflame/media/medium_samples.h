@@ -19,12 +19,12 @@ struct MediumSamples {
 
 /// The places of the points in the medium's bounds.
 enum class SamplePlaces {
-  /// On the rim as well, the same distance apart in all directions: `longest` of them along the
-  /// longest side, at least 2 along the others. What the last step reaches beyond a side's end is
-  /// shared by both of its ends.
+  /// On the rim as well, at equal distances in all directions: `longest` of them along the longest
+  /// side, at least 2 along the others. If the last step ends beyond a side, both ends share the
+  /// excess.
   nodes,
-  /// In the middles of boxes that fill the bounds: `longest` of them along the longest side, along
-  /// the others as many as make boxes that are nearly cubes, at least 2.
+  /// In the middles of boxes that fill the bounds: `longest` of them along the longest side. The
+  /// other sides have the number that makes the boxes nearly cubes, at least 2.
   middles,
 };
 

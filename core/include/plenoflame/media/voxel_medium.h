@@ -18,9 +18,9 @@ struct AffineTransform {
   constexpr Vec3 point(Vec3 p) const { return linear * p + translation; }
 };
 
-/// A scalar field on a sparse lattice in plain arrays: what a VDB grid becomes. Samples sit at
-/// whole index coordinates; bricks hold 8 x 8 x 8 of them, value (i, j, k) of brick b at values[b *
-/// 512 + (i * 8 + j) * 8 + k]; everywhere else the field is `background`.
+/// A scalar field on a sparse lattice in plain arrays, the form to which a VDB grid is converted.
+/// Samples are at integer index coordinates. Bricks hold 8 x 8 x 8 samples: value (i, j, k) of
+/// brick b is values[b * 512 + (i * 8 + j) * 8 + k]. Everywhere else the field is `background`.
 struct VoxelField {
   std::vector<std::array<int, 3>> brick_origins;  ///< lowest index of each brick, multiples of 8
   std::vector<float> values;                      ///< 512 per brick
@@ -35,15 +35,15 @@ enum class VoxelInterpolation {
 };
 
 struct VoxelMediumOptions {
-  /// Share of a brick's emission that the quadrature within one cell may miss: cells across which
-  /// the source function rises steeply are cut into as many intervals as that needs (32 at most).
-  /// 0: one interval per cell, always. Where temperature has a lattice of its own, cells are cut at
-  /// the faces of both lattices, and not further.
+  /// Largest share of a brick's emission that the quadrature within one cell may miss. A cell with
+  /// a steep source function is cut into as many intervals as this needs (32 at most). 0: always
+  /// one interval per cell. If temperature has its own lattice, cells are cut at the faces of both
+  /// lattices, and not further.
   double tolerance = 3e-4;
 };
 
-/// Fields that a voxel medium may have besides temperature and absorption. Samples of all these
-/// fields lie where those of the absorption do, moved by whole spacings at most.
+/// Fields that a voxel medium may have besides temperature and absorption. Their samples are at the
+/// places of the absorption's samples, shifted by whole spacings at most.
 struct VoxelExtras {
   /// Light of emission lines [W/(m^3 sr)], whatever the temperature; background 0.
   std::vector<VoxelField> lines = {};
@@ -58,12 +58,13 @@ inline constexpr std::size_t kMostVoxelLines = 8;
 
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
-/// `trilinear` (docs/theory.md), stable for any optical thickness.
+/// `trilinear` (docs/theory/emission.md), stable for any optical thickness.
 /// @param absorption_factors per channel, on the grid's absorption; empty: grey
 /// @param placement of the frame in which the fields' transforms are
-/// @throws InputError for a background other than 0, a singular transform, or NaN or negative
-///         values (names field and index), a tolerance outside of [0, 1), extras on another lattice
-///         than the absorption's, more than kMostVoxelLines.
+/// @throws InputError for a background other than 0, a singular transform, NaN or negative values
+///         (names field and index)
+/// @throws InputError for a tolerance outside of [0, 1), extras on another lattice than the
+///         absorption's, more than kMostVoxelLines
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,

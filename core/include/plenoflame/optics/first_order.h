@@ -32,9 +32,9 @@ FirstOrder first_order(const MainLensSpec& lens);
 /// The same for one microlens (front surface towards the scene).
 FirstOrder first_order(const ArraySpec& array, const MicrolensSpec& type);
 
-/// Image of an axial point at `object_distance` in front of the first vertex: distance
-/// from the last vertex, positive towards the sensor, negative for a virtual image, infinite when
-/// the object is in the front focal plane. object_distance may be infinite.
+/// Image distance of an axial point at `object_distance` in front of the first vertex (may be
+/// infinite). It is measured from the last vertex, positive towards the sensor, negative for a
+/// virtual image. Infinite if the object is in the front focal plane.
 double paraxial_image_distance(const FirstOrder& lens, double object_distance);
 
 /// Paraxial transverse magnification for that object (negative: inverted).

@@ -14,9 +14,9 @@ inline constexpr double kLineC = 656.2725e-9;  ///< hydrogen
 /// fluorite and fused silica, whose published formulas are the ones that catalogues use too.
 class Glass {
  public:
-  /// @param text a name of the catalogue ("N-BK7"); "sellmeier B1 B2 B3 C1 C2 C3", the C in um^2;
-  ///        "abbe nd vd": the index at the d line and the Abbe number, by n = A + B / wavelength^2;
-  ///        or "constant n"
+  /// @param text "NAME" of the catalogue, e.g. "N-BK7"; "sellmeier B1 B2 B3 C1 C2 C3", the C in
+  ///        um^2; or "constant n". Also "abbe nd vd": the index at the d line and the Abbe number,
+  ///        by n = A + B / wavelength^2
   /// @throws InputError naming the nearest glass of the catalogue
   explicit Glass(std::string_view text);
 

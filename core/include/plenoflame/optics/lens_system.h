@@ -16,8 +16,8 @@ struct PassedLight {
   double share = 1;               ///< falls at every refracting surface that is passed
 };
 
-/// A sequence of coaxial spherical and plane surfaces in the camera frame: the first vertex (scene
-/// side) is at z = first_vertex, +z points to the scene, later vertices lie at lower z. Immutable.
+/// A sequence of coaxial surfaces in the camera frame. The first vertex (scene side) is at z =
+/// first_vertex, +z points to the scene, later vertices lie at lower z. Immutable.
 class LensSystem {
  public:
   LensSystem() = default;

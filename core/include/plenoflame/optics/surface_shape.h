@@ -27,26 +27,27 @@ double surface_sag(const SurfaceSpec& surface, Vec2 place);
 /// planes, paraboloids and hyperboloids.
 double greatest_height(const SurfaceSpec& surface);
 
-/// Places at which surfaces are looked at within a height [m]: in so many steps along a radius from
-/// the axis on, but for the height itself; of what is not round along many radii, with their ends.
+/// Places at which surfaces are sampled within a height [m], in `steps` steps along a radius from
+/// the axis, without the height itself. Surfaces that are not round are sampled along many radii,
+/// with their ends.
 std::vector<Vec2> places_on(bool round, double height, int steps);
 
 /// Reach of the surface in front of its vertex (towards the scene) within its clear diameter
 /// [m], at least 0.
 double reach_to_scene(const SurfaceSpec& surface);
 
-/// Radius of paraxial optics [m]: of a surface that is not round, that of the mean curvature, which
-/// has the mean power of its two sections.
+/// Radius of paraxial optics [m]. For a surface that is not round it is the radius of the mean
+/// curvature, which has the mean power of its two sections.
 double paraxial_radius(const SurfaceSpec& surface);
 
-/// The lens with a rotationally symmetric surface of the same mean curvature in place of each that
-/// is not round: a paraboloid, which exists at all heights.
+/// The lens with each surface that is not round replaced by a rotationally symmetric one of the
+/// same mean curvature. The replacement is a paraboloid, which exists at all heights.
 MainLensSpec round_counterpart(MainLensSpec lens);
 
 /// A surface that cannot be.
 struct SurfaceFault {
   std::string key;   ///< of the surface, "diameter"
-  std::string text;  ///< goes on after "surface 3 of the main lens "
+  std::string text;  ///< continues "surface 3 of the main lens "
 };
 std::optional<SurfaceFault> surface_fault(const SurfaceSpec& surface);
 

@@ -39,18 +39,18 @@ class WindowSet {
   int size() const;
   double index(int window) const;  ///< refractive
 
-  /// Follows a ray that starts in air, with a unit direction; rays go the same way in both
+  /// Follows a ray that starts in air, with a unit direction; the path is the same in both
   /// directions. Refraction is exact at every face, in double precision (12 digits). Each wall
-  /// passes exp(-absorption x length) and, where its faces reflect, what Fresnel's formulas leave:
-  /// light that goes to and fro within the wall is counted with the straight one (incoherent sum;
-  /// Born and Wolf, Principles of Optics, 7th ed., 1.5.2).
+  /// transmits exp(-absorption x length) and, where its faces reflect, the share of Fresnel's
+  /// formulas. Light that is reflected back and forth within the wall is added to the direct light
+  /// (incoherent sum; Born and Wolf, Principles of Optics, 7th ed., 1.5.2).
   void trace(const Ray& from, WindowPath& path) const;
 
   /// Number of the window in whose glass a point lies; -1: in air.
   int glass_at(Vec3 world) const;
 
-  /// Points in the glass of a window, its faces included, so close together that no body as thick
-  /// as the window itself passes between them (at most 400 across).
+  /// Points in the glass of a window, its faces included (at most 400 across). They are so dense
+  /// that no body as thick as the window itself passes between them.
   std::vector<Vec3> points_of(int window) const;
   /// Closed loops that outline a window, for drawings [m] world.
   std::vector<std::vector<Vec3>> outline(int window) const;
@@ -60,8 +60,9 @@ class WindowSet {
   std::vector<Body> bodies_;
 };
 
-/// Share of unpolarised light that passes a wall of glass in air. @param cos_in of the angle with
-/// the normal, in air, at both faces @param clear what absorption leaves on one way through
+/// Share of unpolarised light that passes a wall of glass in air.
+/// @param cos_in of the angle with the normal, in air, at both faces
+/// @param clear share that absorption transmits on one way through
 double wall_transmission(double index, const std::array<double, 2>& cos_in, double clear,
                          bool fresnel);
 

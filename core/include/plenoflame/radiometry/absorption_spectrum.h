@@ -28,8 +28,9 @@ class AbsorptionSpectrum {
   AbsorptionSpectrum() = default;
   /// (reference / lambda)^exponent.
   static AbsorptionSpectrum power(double reference, double exponent);
-  /// Rayleigh limit, kappa = 6 pi E(m) f_v / lambda (Bohren and Huffman, Absorption and Scattering
-  /// of Light by Small Particles, ch. 5). @param absorption_function E(m) of SootIndex::constant
+  /// Rayleigh limit, kappa = 6 pi E(m) f_v / lambda. Source: Bohren and Huffman, Absorption and
+  /// Scattering of Light by Small Particles, ch. 5.
+  /// @param absorption_function E(m) of SootIndex::constant
   static AbsorptionSpectrum soot(double reference, SootIndex index, double absorption_function);
   /// Straight lines between the points; the ends hold beyond them. Values are relative: only their
   /// ratio to the one at the reference matters. @throws InputError when that is 0

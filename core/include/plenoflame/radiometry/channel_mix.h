@@ -4,8 +4,8 @@
 
 namespace plenoflame {
 
-/// The sums by which nodes make the light of a scene's channels: what media, surfaces and lights
-/// know as their channels, wavelengths or parts of a channel.
+/// The weighted sums that turn nodes into a scene's channels. Nodes are the channels of media,
+/// surfaces and lights: wavelengths or parts of a channel.
 class ChannelMix {
  public:
   /// Nodes are the channels.

@@ -50,7 +50,7 @@ std::vector<NamedLine> named_lines();
 /// "1/(cm^3 s)", "mol/(m^3 s)" photons; regardless of case. Nothing for any other text.
 /// @param wavelength [m] of the photons
 std::optional<double> emission_unit(std::string_view unit, double wavelength);
-/// Those units, for messages.
+/// The units that emission_unit() knows, for messages.
 std::string_view emission_unit_list();
 
 }  // namespace plenoflame

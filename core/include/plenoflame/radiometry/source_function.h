@@ -14,8 +14,8 @@ namespace plenoflame {
 /// @return [W/(m^3 sr)], per metre of wavelength   Source: Planck's law; physics as in any text.
 double planck_radiance(double wavelength, double temperature);
 
-/// Source function S(T) of one channel, or of one of the wavelengths that stand for it
-/// [W/(m^2 sr)]: what a volume in local thermal equilibrium emits into it, per unit of absorption.
+/// Source function S(T) of one channel, or of one of its wavelengths [W/(m^2 sr)]. It is the
+/// emission of a volume in local thermal equilibrium, per unit of absorption.
 class SourceFunction {
  public:
   /// Quadrature nodes: S(T) = sum weight / expm1(exponent / T).
@@ -28,11 +28,12 @@ class SourceFunction {
   /// sigma T^4 / pi.
   static SourceFunction total();
   /// Planck's function integrated over [wavelength - width/2, wavelength + width/2] by
-  /// Gauss-Legendre quadrature with as many nodes as a relative error of 1e-12 between 200 K and
-  /// 1e5 K needs. @throws InputError unless 0 < width < 2 * wavelength.
+  /// Gauss-Legendre quadrature. The number of nodes gives a relative error below 1e-12 between 200
+  /// K and 1e5 K.
+  /// @throws InputError unless 0 < width < 2 * wavelength.
   static SourceFunction band(double wavelength, double width);
-  /// Planck's function times the response, integrated over wavelength, by the Gauss rule that
-  /// belongs to the response itself, with as many nodes as the same error needs.
+  /// Planck's function times the response, integrated over wavelength. It uses the Gauss rule of
+  /// the response itself, with enough nodes for the same error.
   static SourceFunction of(const SpectralResponse& response);
   /// One wavelength [m]; `share` of a channel's light is its (see spectral_nodes.h).
   static SourceFunction node(const Node& node, double wavelength, double share);
@@ -63,15 +64,15 @@ class SourceFunction {
     source.lines_ = std::move(lines);
     return source;
   }
-  /// One wavelength [m] at which nothing but emission lines is looked at: S = 0.
+  /// One wavelength [m] for emission lines only: S = 0.
   static SourceFunction of_lines(double wavelength, std::vector<LineShare> lines);
 
   /// A share of it; of all wavelengths the band from 0.1 um to 1 mm.
   SourceFunction scaled(double factor) const;
 
-  /// Sources in the ratio of `parts` that are together exactly `whole` at every temperature: of
-  /// surfaces and lights, which may be far colder than what the parts' few nodes were made for.
-  /// They have no nodes, so that media cannot use them. A single part is the whole.
+  /// Sources in the ratio of `parts` whose sum is exactly `whole` at every temperature. They are
+  /// for surfaces and lights, which may be far colder than the range of the parts' few nodes. They
+  /// have no nodes, so media cannot use them. A single part is the whole.
   static std::vector<SourceFunction> sharing(const SourceFunction& whole,
                                              const std::vector<SourceFunction>& parts);
 
@@ -84,7 +85,7 @@ class SourceFunction {
   double wavelength() const { return wavelength_; }
   /// Its share of its channel's light, where that does not follow Planck's law.
   double share() const { return share_; }
-  /// Its share of the light of an emission line; 0 of lines that it was not told of.
+  /// Its share of the light of an emission line; 0 for unknown lines.
   double line_share(const EmissionLine& line) const;
   friend bool operator==(const SourceFunction&, const SourceFunction&) = default;
 

@@ -8,12 +8,12 @@
 
 namespace plenoflame {
 
-/// Wavelengths that stand for a channel whose light is absorbed differently at each of them.
+/// Wavelengths that represent a channel whose light is absorbed differently at each of them.
 struct ChannelNodes {
   std::vector<SourceFunction> nodes;
-  /// Largest relative error of the radiance that leaves a homogeneous path, over its temperature
-  /// (1000 to 2600 K) and its optical thickness at the reference (0 to 10), found by comparing with
-  /// hundreds of wavelengths.
+  /// Largest relative error of the radiance of a homogeneous path, found by comparison with
+  /// hundreds of wavelengths. The range is 1000 to 2600 K, and optical thicknesses of 0 to 10 at
+  /// the reference.
   double error = 0;
 };
 
@@ -29,17 +29,19 @@ inline constexpr double kSpectralTolerance = 5e-4;
 ChannelNodes channel_nodes(const std::optional<SpectralResponse>& response,
                            const std::vector<AbsorptionSpectrum>& spectra, int fewest = 1);
 
-/// Wavelengths that stand for several channels together.
+/// Wavelengths that represent several channels together.
 struct SharedNodes {
   std::vector<SourceFunction> nodes;
   ChannelMix mix;
   double error = 0;  ///< as of ChannelNodes, the largest of any channel
 };
 
-/// The fewest wavelengths that keep every channel's error below kSpectralTolerance: those of the
-/// Gauss rule of all responses together, each normalised, with weights for each channel that
-/// integrate polynomials exactly through those of them at which all its weights are positive.
-/// @param most wavelengths @return nothing when that takes more
+/// The fewest wavelengths that keep every channel's error below kSpectralTolerance. They are nodes
+/// of the Gauss rule of the sum of all normalised responses. Each channel has its own weights,
+/// which integrate polynomials through a subset of the nodes exactly. The subset is one at which
+/// all of its weights are positive.
+/// @param most wavelengths
+/// @return nothing if more are needed
 std::optional<SharedNodes> shared_nodes(const std::vector<SpectralResponse>& responses,
                                         const std::vector<AbsorptionSpectrum>& spectra, int most);
 

@@ -15,8 +15,10 @@ struct SpectralPoint {
 };
 
 /// Reads "450 nm 0.2, 460 nm 0.35, ...": a wavelength with its unit, then the value, separated by
-/// commas. @throws InputError that names the item: no unit, not a number, wavelengths that do not
-/// ascend or lie outside of 10 nm to 1 mm, values below 0, fewer than two points, nothing above 0
+/// commas.
+/// @throws InputError that names the item: no unit, not a number, fewer than two points, values
+///         below 0 or none above
+/// @throws InputError for wavelengths that do not ascend or lie outside of 10 nm to 1 mm
 std::vector<SpectralPoint> parse_spectral_points(std::string_view text);
 std::string format_spectral_points(const std::vector<SpectralPoint>& points);
 

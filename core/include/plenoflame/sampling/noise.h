@@ -3,8 +3,8 @@
 
 namespace plenoflame {
 
-/// Random numbers of one thing (a pixel of a frame, say), counted by the Philox generator: the same
-/// key and number give the same sequence, whoever asks and in whatever order.
+/// Random numbers of one object (for example a pixel of a frame), counted by the Philox generator.
+/// The same key and number give the same sequence, in any order of calls.
 class NoiseStream {
  public:
   NoiseStream(std::uint64_t key, std::uint64_t number) : key_(key), number_(number) {}

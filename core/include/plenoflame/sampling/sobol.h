@@ -10,10 +10,10 @@ inline constexpr int kSobolDimensions = 8;
 /// Direction numbers: Joe and Kuo, SIAM J. Sci. Comput. 30 (2008), 2635, set D(6).
 std::uint32_t sobol(std::uint32_t index, int dimension);
 
-/// Nested uniform (Owen) scrambling of a 32-bit fraction: every bit is flipped or not depending on
-/// the seed and on all higher bits, or, below the 18th, on the seed and the highest 18: points that
-/// agree in so many bits stay apart as they were. Owen, MCQMC 1994 (1995), 299.
-/// @param seed well mixed: those that differ in their low 19 bits only share some of the flips
+/// Nested uniform (Owen) scrambling of a 32-bit fraction (Owen, MCQMC 1994 (1995), 299). The flip
+/// of a bit depends on the seed and on all higher bits, below the 18th bit only on the highest 18.
+/// Points that agree in the highest 18 bits therefore keep their distance.
+/// @param seed well mixed: seeds that differ in their low 19 bits only share some of the flips
 std::uint32_t owen_scramble(std::uint32_t fraction, std::uint64_t seed);
 
 /// 64 well mixed bits from a 64-bit key (splitmix64; Steele, Lea, Flood 2014).
@@ -25,19 +25,20 @@ constexpr std::uint64_t mix64(std::uint64_t key) {
 }
 
 /// A pool of independently Owen-scrambled stretches of the Sobol sequence in four dimensions (its
-/// first, or later ones that go with them). A pixel takes one entry at random and shifts it
-/// digitally (XOR) by random bits of its own: an Owen-scrambled net stays one under the shift, so
-/// that each pixel's points are Owen-scrambled, too, at the cost of one load and one XOR a
-/// number. Each replicate needs a shift of its own: under one for all, what the replicates of an
-/// entry are wrong by would go together, and with it the errors of all pixels that take this entry.
+/// first, or later ones that fit). A pixel takes one entry at random and shifts it digitally (XOR)
+/// by its own random bits. An Owen-scrambled net stays one under the shift, so each pixel's points
+/// are Owen-scrambled as well. The cost is one load and one XOR a number. Each replicate needs its
+/// own shift. With a common shift the errors of an entry's replicates would be correlated, and so
+/// would the errors of all pixels that take this entry.
 class SobolPool {
  public:
   static constexpr int kDimensions = 4;
-  /// @param replicates independent randomisations per entry   @param points of each
+  /// @param replicates independent ones per entry
+  /// @param points of each
   /// @param first index of the first point in the sequence (to continue an earlier run)
   /// @param first_dimension of the sequence, at most kSobolDimensions - kDimensions
-  /// @param entries 0: as many as a second-level cache holds, at least 16. Which entry a pixel
-  /// takes depends on their number: pools that go on with one another need the same.
+  /// @param entries 0: the number that fits into a second-level cache, at least 16. A pixel's entry
+  ///        depends on this number: a pool that continues another one needs the same
   SobolPool(int replicates, int points, std::uint32_t first, std::uint64_t seed,
             int first_dimension = 0, int entries = 0);
 
@@ -50,8 +51,9 @@ class SobolPool {
     return data_.data()->words +
            static_cast<std::size_t>(entry * kDimensions + dimension) * stride_;
   }
-  /// For each point of an entry, followed by as many words, a number of its replicate: 0 for the
-  /// first, an odd one for each other. A replicate's shift is first ^ second * number.
+  /// A number of the replicate of each point of an entry, followed by an equal number of words. It
+  /// is 0 for the first replicate and odd for the others. A replicate's shift is first ^ second *
+  /// number.
   const std::uint32_t* replicate_numbers() const { return replicate_numbers_.data(); }
   static std::uint32_t replicate_number(int replicate) {
     return replicate == 0

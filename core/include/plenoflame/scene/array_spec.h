@@ -12,8 +12,8 @@ namespace plenoflame {
 
 enum class Lattice { square, hexagonal };
 
-/// The open aperture of a microlens. Sides are turned with the lattice: those of a square lie along
-/// its rows and columns, those of a hexagon face the six neighbours of a hexagonal lattice.
+/// The open aperture of a microlens. Sides turn with the lattice. Sides of a square are parallel to
+/// its rows and columns; sides of a hexagon face the six neighbours of a hexagonal lattice.
 enum class ApertureShape { circular, square, hexagonal };
 
 /// One of the interleaved kinds of microlenses.
@@ -55,11 +55,11 @@ struct ArraySpec {
   // Errors of manufacture and mounting.
   double spacing_error =
       0;  ///< [m] by which the sensor is farther from the array than it should be
-  /// [m] every lens but (0, 0), whose place is `offset`, is displaced across the axis to a random
-  /// point of a disc of this radius, at most half the gap between neighbours.
+  /// [m] Every lens except (0, 0), which is at `offset`, is displaced across the axis to a random
+  /// point of a disc. This is the disc's radius, at most half the gap between neighbours.
   double centre_jitter = 0;
-  /// Every lens but (0, 0) has radii (or an ideal one its focal length) by a factor of its own,
-  /// drawn evenly from 1 - focal_jitter to 1 + focal_jitter.
+  /// Every lens except (0, 0) has its radii (an ideal one its focal length) multiplied by its own
+  /// factor. Factors are uniform from 1 - focal_jitter to 1 + focal_jitter.
   double focal_jitter = 0;
   std::uint64_t jitter_seed = 1;
   Vec2 tilt;  ///< [rad] about camera x, then y, around the front of the array on the axis

@@ -23,9 +23,9 @@ struct FocusSpec {
   double lens_distance = 0;    ///< [m] mode distance: rear vertex of the main lens to the front
                                ///< vertices of the microlenses, or to the sensor without array
   double object_distance = 0;  ///< [m] from the front vertex of the main lens
-  /// The plane conjugate to the object: "array" (plenoptic 1.0: the front principal plane of the
-  /// first type), the name of a microlens type (2.0: the plane on which that type is sharp), or
-  /// "sensor" (only without array).
+  /// The plane conjugate to the object. "array" (plenoptic 1.0): the front principal plane of the
+  /// first type. The name of a microlens type (2.0): the plane on which that type is sharp.
+  /// "sensor": only without array.
   std::string conjugate = "array";
   friend bool operator==(const FocusSpec&, const FocusSpec&) = default;
 };

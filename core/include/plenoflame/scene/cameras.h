@@ -6,8 +6,8 @@
 
 #include "plenoflame/scene/scene_file.h"
 
-/// Scenes that several cameras look at. Everything that follows a scene is about one camera; these
-/// functions give the scene as one of them has it.
+/// Scenes that several cameras look at. Functions that use a scene treat one camera; those here
+/// give the scene of one camera.
 namespace plenoflame {
 
 /// Names of a scene's cameras in its order: those of "[[cameras]]", or the one of "[camera]", which

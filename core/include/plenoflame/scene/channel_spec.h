@@ -23,7 +23,7 @@ struct ChannelSpec {
   /// The response is a quantum efficiency: it counts photons, and light counts in proportion to its
   /// wavelength.
   bool photons = false;
-  int wavelengths = 1;  ///< that stand for it where glasses are dispersive, at least
+  int wavelengths = 1;  ///< at least, that represent it if glasses are dispersive
   friend bool operator==(const ChannelSpec&, const ChannelSpec&) = default;
 };
 

@@ -22,8 +22,8 @@
 namespace plenoflame {
 
 struct CompiledScene;
-/// Scenes that were compiled before. What one of them has in common with a new one is taken over;
-/// nullptr among them is none.
+/// Scenes that were compiled before. compile() reuses the parts that one of them has in common with
+/// the new scene. A nullptr is ignored.
 using EarlierScenes = std::vector<const CompiledScene*>;
 
 /// Makes the medium of one flame, with its spectrum at the channels' wavelengths. Core itself knows
@@ -51,27 +51,27 @@ struct CompiledScene {
   std::shared_ptr<const Medium> medium;               ///< all flames; nullptr when there is none
   std::shared_ptr<const SurfaceScene> surfaces = {};  ///< nullptr when there are none
   Lights lights = {};
-  /// Sums that make the scene's channels from those of the medium, the surfaces and the lights.
+  /// Weighted sums that turn the channels of medium, surfaces and lights into the scene's.
   ChannelMix mix = {};
   std::vector<Scatterer> scatterers = {};  ///< empty: nothing scatters
-  double spectral_error = 0;               ///< of standing for a channel by a few wavelengths
-  /// For a camera that disperses light, the scene of each wavelength, with a camera, pupils and
-  /// media of its own; this one is then that of the design wavelength. Read through paths().
+  double spectral_error = 0;               ///< of representing a channel by a few wavelengths
+  /// For a camera that disperses light, the scene of each wavelength, with its own camera, pupils
+  /// and media. This scene is then that of the design wavelength. Read through paths().
   std::vector<CompiledScene> dispersed = {};
   /// Bodies that refract on the way of the camera's rays; nullptr when there are none.
   std::unique_ptr<const WindowSet> windows = {};
   /// Channel of the whole scene to which each channel of this path adds. Empty: the same.
   std::vector<int> film_channel = {};
-  /// The sources that media and surfaces were compiled from beside the scene, and each flame's own
-  /// medium, so that other scenes can share what is the same.
+  /// The sources from which media and surfaces were compiled, and each flame's own medium. Other
+  /// scenes share them if they are equal.
   std::vector<SourceFunction> sources = {}, emitters = {};
   std::vector<std::shared_ptr<const Medium>> flames = {};
   std::vector<std::shared_ptr<const Medium>> loaded = {};  ///< these before FlameSpec::brightness
   /// With filters over parts of the stop, the mix of the rays through each of them
   /// (PupilFilters::part_at()); `mix` is their mean over the stop. Empty: `mix` holds for all.
   std::vector<ChannelMix> part_mixes = {};
-  /// The spectral paths through the camera, at least one. They are what is rendered; a scene that
-  /// nothing disperses is its own only path.
+  /// The spectral paths through the camera, at least one. The renderer uses these; a scene without
+  /// dispersion is its own only path.
   std::span<const CompiledScene> paths() const {
     return dispersed.empty() ? std::span(this, 1) : std::span(dispersed);
   }
@@ -90,14 +90,14 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
                                          const Execution& execution);
 
 /// Validates the scene (see validate.h), solves the camera, traces its pupils, loads the flames and
-/// checks where they lie. Warnings go to execution.message, with their place in the scene file.
+/// checks their positions. Warnings go to execution.message, with their place in the scene file.
 /// @param scene with one camera (cameras.h chooses it); a list of a single one is as good
 /// @param positions of the scene's keys in its file, for messages
-/// @param earlier scenes from which is taken over, not compiled again, whatever this one has in
-/// common with any of them: the camera with its pupils, each flame, the surfaces. Flames of voxels
-/// that lie elsewhere, have another scale or another brightness keep their voxels. What is traced
-/// has the same bits either way. Files must not have changed since
-/// @param unsaid warnings that do not matter for what the caller does with the scene
+/// @param earlier scenes whose common parts are reused, not compiled again: the camera with its
+///        pupils, each flame, the surfaces. Voxels are reused even if the flame's place, scale or
+///        brightness differs. Traced results have the same bits either way. Files must not have
+///        changed since
+/// @param unsaid warnings that do not matter for the caller's use of the scene
 /// @throws InputError, FileError
 CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
                       const Execution& execution = {}, const PositionMap& positions = {},

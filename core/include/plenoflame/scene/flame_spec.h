@@ -34,7 +34,7 @@ enum class PhaseFunction {
   rayleigh,           ///< 3 (1 + cos^2) / (16 pi)
 };
 
-/// The share of the light taken out of a ray that goes on in another direction.
+/// Light that a flame scatters into other directions.
 struct ScatteringSpec {
   double albedo = 0;  ///< scattering over extinction; 0: none
   PhaseFunction phase = PhaseFunction::henyey_greenstein;
@@ -103,7 +103,7 @@ struct FlameSpec {
   SpectrumSpec spectrum = {};
   ScatteringSpec scattering = {};
   Interpolation interpolation = Interpolation::trilinear;
-  double brightness = 1;  ///< factor on its light; what it absorbs stays
+  double brightness = 1;  ///< factor on its light; absorption is unchanged
   FlameTimeSpec time = {};
   friend bool operator==(const FlameSpec&, const FlameSpec&) = default;
 };

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// A file that a scene names, and what tells that it has changed.
+/// A file that a scene names, with the data that reveal a change.
 struct InputFile {
   std::string name;           ///< as in the scene
   std::uintmax_t size = 0;    ///< [byte]; 0: there is none

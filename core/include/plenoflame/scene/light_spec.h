@@ -12,8 +12,8 @@ enum class LightKind {
   environment,  ///< the same radiance from everywhere
 };
 
-/// A light source. Its figure holds in every channel, or, with a temperature, for all wavelengths:
-/// a channel then has the share that a blackbody of that temperature has in it.
+/// A light source. Its figure holds in every channel, or, with a temperature, for all wavelengths
+/// together. In the second case a channel has its share of a blackbody of that temperature.
 struct LightSpec {
   LightKind kind = LightKind::point;
   std::string name;

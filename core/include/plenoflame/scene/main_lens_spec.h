@@ -25,9 +25,9 @@ struct SurfaceSpec {
   /// aspheric[i] h^(4 + 2 i), towards the sensor.
   double conic = 0;
   std::vector<double> aspheric = {};  ///< [1/m^3, 1/m^5, ...] from h^4 on, at most 7
-  /// A biconic surface in place of `radius`, `conic` and `aspheric`: with c_i = 1 / radius_i
-  ///   sag = (c_x x^2 + c_y y^2) / (1 + sqrt(1 - (1 + conic_x) c_x^2 x^2 - (1 + conic_y) c_y^2
-  ///   y^2))
+  /// A biconic surface in place of `radius`, `conic` and `aspheric`. With c_i = 1 / radius_i, its
+  /// sag is (c_x x^2 + c_y y^2) / (1 + sqrt(1 - q)), where q = (1 + conic_x) c_x^2 x^2 + (1 +
+  /// conic_y) c_y^2 y^2.
   double radius_x = 0, radius_y = 0;  ///< [m] of the sections along camera x, y; 0 both: it is none
   double conic_x = 0, conic_y = 0;
   /// optics/glass.h; empty: `index` as it is. Otherwise set_indices() has put the index there.
@@ -35,8 +35,8 @@ struct SurfaceSpec {
   friend bool operator==(const SurfaceSpec&, const SurfaceSpec&) = default;
 };
 
-/// By how much the main lens images directions elsewhere than an ideal one
-/// (camera/lens_distortion.h has the map); all 0: not at all.
+/// Deviation of the main lens' imaging directions from those of an ideal lens (the map is in
+/// camera/lens_distortion.h). All 0: no distortion.
 struct DistortionSpec {
   double k1 = 0, k2 = 0, k3 = 0;  ///< radial
   double p1 = 0, p2 = 0;          ///< tangential

@@ -12,9 +12,9 @@ enum class PupilPartShape {
   polygon,  ///< convex, with its corners listed
 };
 
-/// A filter over a part of the main lens' stop. Lengths are in radii of the stop; axes are camera x
-/// (right) and y (down) of the main lens' frame, so that angles run from right towards below. (Of
-/// an ideal main lens whose stop is not given the pupil that limits its rays stands for it.)
+/// A filter over a part of the main lens' stop. Lengths are in radii of the stop. Axes are camera x
+/// (right) and y (down) of the main lens' frame, so angles run from right towards below. For an
+/// ideal main lens without a stop, the pupil that limits its rays is used instead.
 struct PupilFilterSpec {
   std::string name;
   PupilPartShape shape = PupilPartShape::sector;

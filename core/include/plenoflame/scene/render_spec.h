@@ -11,7 +11,7 @@ struct RenderSpec {
   Estimator estimator = Estimator::backward;
   int samples = 64;  ///< rays per pixel and microlens that covers it (forward: bundles)
   std::uint64_t seed = 1;
-  int reflections = 1;  ///< that light may undergo on surfaces on its way to the camera, at most
+  int reflections = 1;      ///< at most, on surfaces on the light's way to the camera
   bool flame_light = true;  ///< whether flames light the surfaces
   friend bool operator==(const RenderSpec&, const RenderSpec&) = default;
 };

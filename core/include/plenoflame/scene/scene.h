@@ -17,8 +17,8 @@ namespace plenoflame {
 struct Scene {
   std::string file;   ///< where it was read from; relative paths start there; empty: none
   CameraSpec camera;  ///< the one that looks at it; a default one where `cameras` has any
-  /// The cameras, where several look at the scene, each with a name of its own. What follows a
-  /// scene, from compile() on, is about one: for_camera() in cameras.h chooses it.
+  /// The cameras if several look at the scene, each with its own name. Functions that use a scene,
+  /// from compile() on, use one camera: for_camera() in cameras.h chooses it.
   std::vector<CameraSpec> cameras = {};
   std::vector<FlameSpec> flames;
   std::vector<SolidSurfaceSpec> surfaces;

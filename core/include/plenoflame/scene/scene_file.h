@@ -33,8 +33,8 @@ struct SceneDocument {
   PositionMap positions;
 };
 
-/// Reads a scene from TOML. Every value given is checked: known key, type, unit, range. What only
-/// makes sense together is left to validate() in scene/validate.h.
+/// Reads a scene from TOML. Every given value is checked: known key, type, unit, range. Checks of
+/// several values together are left to validate() in scene/validate.h.
 /// @param name of the file, for messages and as the start of relative paths (Scene::file)
 /// @throws InputError "file:line:column: ..." that says what to do
 SceneDocument parse_scene(std::string_view text, const std::string& name);
@@ -47,8 +47,9 @@ std::vector<EllipsoidSpec> parse_layers(std::string_view text, const std::string
 /// A scene from a file. @throws FileError when it cannot be read, InputError as parse_scene
 SceneDocument read_scene_file(const std::string& path);
 
-/// The whole scene as TOML, every key with a value (of a window its glass or its index);
-/// parse_scene gives back an equal scene, bit for bit. Presets and comments of a file are not kept.
+/// The whole scene as TOML, every key with a value (for a window its glass or its index). The
+/// function parse_scene gives back an equal scene, bit for bit. Presets and comments of a file are
+/// not kept.
 /// @throws InputError when a value is NaN or a text is not UTF-8
 std::string write_scene(const Scene& scene);
 

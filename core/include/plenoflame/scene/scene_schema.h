@@ -97,8 +97,9 @@ std::vector<std::string> scene_paths(const Scene& scene);
 /// @throws InputError for an unknown path or an index that does not exist
 std::string get_text(const Scene& scene, std::string_view path);
 
-/// Sets a value from such text. @throws InputError for an unknown path, a missing or wrong unit, a
-/// value out of range, a word that is not a choice; the scene is then unchanged.
+/// Sets a value from text as get_text() returns it.
+/// @throws InputError for an unknown path, a missing or wrong unit, a value out of range, or an
+///         unknown choice. The scene is then unchanged.
 void set_text(Scene& scene, std::string_view path, std::string_view text);
 
 std::size_t list_size(const Scene& scene, std::string_view path);

@@ -24,7 +24,7 @@ struct SensorSpec {
   double exposure_time = 0;       ///< [s]; 0: until the brightest pixels are nearly full
   double quantum_efficiency = 1;  ///< electrons per photon
   double fill_factor = 1;         ///< share of a pixel that is sensitive
-  double full_well = 20000;       ///< electrons that a pixel holds; what is more is lost
+  double full_well = 20000;       ///< electrons that a pixel holds; more are lost
   double read_noise = 0;          ///< RMS electrons
   double dark_current = 0;        ///< electrons per second
   double gain = 0;         ///< electrons per digital number; 0: the full well fills the range
@@ -38,7 +38,7 @@ struct SensorSpec {
   // The times at which light is gathered, for scenes that change with time (timeline.h).
   double frame_rate = 0;      ///< [1/s] of its pictures; 0: that of the first series of flames
   double exposure_begin = 0;  ///< [s] after the time of its frame
-  int exposure_steps = 8;     ///< moments that stand for an exposure of what moves by a table
+  int exposure_steps = 8;     ///< moments of an exposure, for flames that move by a table
 
   bool square_pixels() const { return !(pixel_pitch_y > 0) || pixel_pitch_y == pixel_pitch; }
   /// [m] width and height of a pixel; pixels leave no gaps

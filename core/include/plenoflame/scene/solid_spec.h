@@ -35,7 +35,7 @@ enum class TextureKind { none, checkerboard, dots, siemens_star, bars, image };
 /// `size`.
 struct TextureSpec {
   TextureKind kind = TextureKind::none;
-  double dark = 0;    ///< reflectivity of what is dark; what is light has the material's
+  double dark = 0;    ///< reflectivity of dark parts; bright parts have the material's
   double cell = 0;    ///< [m] square, spacing of dots, period of the coarsest bars
   int columns = 8;    ///< squares or dots across; pairs of sectors of the star; groups of bars
   int rows = 6;       ///< squares or dots down

@@ -16,19 +16,21 @@ namespace plenoflame {
 
 /// The response of a channel; nothing for all wavelengths. A curve must have its points. The
 /// camera's filter is not in it.
-/// @throws InputError for what is impossible
+/// @throws InputError for impossible values
 std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel);
 
-/// The same behind the camera's filter, and that of a part of the pupil (points as text; empty:
-/// none). @throws InputError when they let nothing through
+/// The same behind the camera's filter and a filter over a part of the pupil (points as text;
+/// empty: none).
+/// @throws InputError when they let nothing through
 std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel,
                                                 const std::string& pupil_filter = {});
 
 /// The source function of a channel as a whole. @throws as spectral_response
 SourceFunction source_function(const ChannelSpec& channel);
 
-/// Reads the curves that are in files, so that the scene is complete. @param folder of the scene
-/// file; empty: the current one @throws FileError, InputError with the place of the file's name
+/// Reads the curves that are in files, so that the scene is complete.
+/// @param folder of the scene file; empty: the current one
+/// @throws FileError, InputError with the place of the file's name
 void read_curves(Scene& scene, const std::string& folder, const PositionMap& positions = {});
 
 /// The dependence of a flame's absorption on wavelength. @throws InputError
@@ -45,22 +47,23 @@ std::string_view line_word(LineKind kind);
 /// @throws InputError for a custom line without a wavelength, or one that is too wide
 EmissionLine emission_line(const LineSpec& spec);
 
-/// The weight of each emission line in each channel of a flame's medium, channel c and line l
-/// at [c * lines + l]. @throws InputError as emission_line
+/// The weight of each emission line in each channel of a flame's medium: channel c and line l at [c
+/// * lines + l].
+/// @throws InputError as emission_line
 std::vector<double> line_weights(const FlameSpec& flame,
                                  const std::vector<SourceFunction>& channels);
 
 /// Absorption of a layer [1/m], from its soot where it is given by that.
 double layer_absorption(const EllipsoidSpec& layer, const SpectrumSpec& spec);
 
-/// Tells whether the camera's optics depend on the wavelength: a glass of it, or of a window,
-/// disperses (by more than 1e-9 between the channels), or its surfaces are coated.
+/// Tells whether the camera's optics depend on the wavelength. They do if its surfaces are coated,
+/// or if a glass of it or of a window disperses (by more than 1e-9 between the channels).
 bool is_dispersive(const Scene& scene);
 
-/// Channels as media know them: one each where absorption is grey, the wavelengths that stand for
-/// it otherwise. Emission lines of the flames belong to a channel's only node, or, where
-/// wavelengths differ in absorption or in their way through the camera, to nodes of their own.
-/// If there is nothing but flames without lines, channels share wavelengths if that makes fewer.
+/// The channels of media. A grey absorption needs one node per channel; others need several
+/// wavelengths per channel. Emission lines belong to a channel's only node. If wavelengths differ
+/// in absorption or in their way through the camera, lines have their own nodes. In a scene with
+/// nothing but flames without lines, channels share wavelengths if this makes fewer.
 struct SpectralNodes {
   std::vector<SourceFunction> sources;
   /// The light of surfaces and lights in them: exact for every channel as a whole, at any

@@ -12,7 +12,7 @@ namespace plenoflame {
 
 /// The value that a run gives to a key of the scene.
 struct SweepValue {
-  std::string key;          ///< path as SceneSettings::values has it
+  std::string key;          ///< path as in SceneSettings::values
   std::string value;        ///< as text, with its unit
   SourcePosition position;  ///< of the cell of the table, or of the rule
 };
@@ -27,15 +27,16 @@ inline constexpr int kMostRuns = 10'000'000;
 /// @param name of the file, for messages @throws InputError with line and column
 std::vector<SweepRun> read_sweep_table(std::string_view text, const std::string& name);
 
-/// Distributions from which the values of a sweep are drawn. TOML: `runs` (how many, unless the
-/// caller says), and a [[random]] table for each key, with `key` and one of
-///   uniform = [LEAST, GREATEST]        any number between
-///   log_uniform = [LEAST, GREATEST]    its logarithm is uniform
-///   normal = [MEAN, DEVIATION]         with `limits = [LEAST, GREATEST]`: drawn again outside
-///   integer = [LEAST, GREATEST]        whole numbers, both ends among them
-///   choice = [A, B, ...]               one of these
-///   value = A                          this one, in all runs
-/// Numbers with a unit are texts, "2 mm"; of a key with several numbers the ends are arrays.
+/// Distributions from which the values of a sweep are drawn. TOML: `runs` (their number, unless the
+/// caller gives one), and a [[random]] table for each key. A table has `key` and one of:
+/// - uniform = [LEAST, GREATEST]: any number between
+/// - log_uniform = [LEAST, GREATEST]: its logarithm is uniform
+/// - normal = [MEAN, DEVIATION]: with `limits = [LEAST, GREATEST]` drawn again outside
+/// - integer = [LEAST, GREATEST]: integers, both ends included
+/// - choice = [A, B, ...]: one of these
+/// - value = A: this one, in all runs
+///
+/// Numbers with a unit are texts, "2 mm". For a key with several numbers the ends are arrays.
 class SweepRules {
  public:
   /// @param name of the file, for messages @throws InputError with line and column

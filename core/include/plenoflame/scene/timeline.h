@@ -6,8 +6,8 @@
 
 #include "plenoflame/scene/scene_file.h"
 
-/// Scenes whose flames change with time. Everything that follows a scene is about one moment; these
-/// functions give the scene as it is then.
+/// Scenes whose flames change with time. Functions that use a scene treat one moment; those here
+/// give the scene of a moment.
 namespace plenoflame {
 
 /// Tells whether a flame of the scene is a series of files, or changes by a table.
@@ -22,8 +22,8 @@ struct SceneMoment {
 /// The flames of a scene over the time [s]; time 0 is the begin of each series' first file.
 /// Folders and tables are read once. Immutable.
 ///
-/// Pictures have numbers, too: that of the first is the number of the first file of the first flame
-/// that is a series (0 when there is none), and they follow each other at frame_rate().
+/// Pictures are numbered in the order of frame_rate(). The first one has the number of the first
+/// file of the first flame that is a series (0 without series).
 class SceneTimeline {
  public:
   /// @param scene its files lie relative to Scene::file; of several cameras the first says when
@@ -36,27 +36,29 @@ class SceneTimeline {
   ~SceneTimeline();
   SceneTimeline(SceneTimeline&&) noexcept;
 
-  /// [1/s] of pictures; 0: nothing says it, and only times can be asked for.
+  /// [1/s] of pictures; 0: unknown, and the timeline knows times only.
   double frame_rate() const;
   int first_frame() const;
-  int last_frame() const;  ///< whose exposure ends before what is known of the flames does
-  /// Time at which the exposure of a frame begins [s]. @throws InputError when it is not among
-  /// first_frame() to last_frame(), saying what ends, or when there is no frame_rate()
+  int last_frame() const;  ///< last one whose exposure ends while all flames are known
+  /// Time at which the exposure of a frame begins [s].
+  /// @throws InputError when it is not among first_frame() to last_frame(), saying what ends, or
+  ///         when there is no frame_rate()
   double begin_of(int frame) const;
   /// Number of the frame whose time is the last one before a time; first_frame() before the first.
   int frame_at(double time) const;
   double first_time() const;  ///< [s] from which all flames are known
   double end_time() const;    ///< [s] until which
 
-  /// The scene at a time [s]. @throws InputError before the begin, beyond the end or for a file
-  /// that is missing from a series, with its name
+  /// The scene at a time [s].
+  /// @throws InputError before the begin, beyond the end or for a missing file of a series, with
+  ///         its name
   Scene at_time(double time) const;
   /// The scene at the time at which a frame's exposure begins.
   Scene at_frame(int frame) const { return at_time(begin_of(frame)); }
 
-  /// All moments of an exposure that begins at a time and takes as long as the sensor's
-  /// exposure_time: each file of each series as long as it lasts; exposure_steps of what changes by
-  /// a table. Shares sum to 1. An exposure of 0 s is one moment. @throws as at_time
+  /// All moments of an exposure that begins at a time and takes the sensor's exposure_time. A
+  /// series contributes each file for its duration, a table exposure_steps steps. Shares sum to 1.
+  /// An exposure of 0 s is one moment. @throws as at_time
   std::vector<SceneMoment> exposure(double begin) const;
   std::vector<SceneMoment> exposure_of_frame(int frame) const { return exposure(begin_of(frame)); }
 

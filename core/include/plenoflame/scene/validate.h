@@ -26,8 +26,8 @@ struct SceneIssue {
 /// "file:line:column: message".
 std::string to_string(const SceneIssue& issue);
 
-/// Everything that is wrong with a scene, in a fixed order: values out of range, surfaces that
-/// overlap, a stop that is missing, a flame inside the camera, ... Files it names are not opened.
+/// All errors and warnings of a scene, in a fixed order: values out of range, overlapping surfaces,
+/// a missing stop, a flame inside the camera, ... The function opens no files.
 std::vector<SceneIssue> check_scene(const Scene& scene, const PositionMap& positions = {});
 
 /// The warnings of check_scene. @throws InputError with the first error, at its place in the file
@@ -36,9 +36,9 @@ inline std::vector<SceneIssue> validate(const SceneDocument& document) {
   return validate(document.scene, document.positions);
 }
 
-/// For a flame whose extent is known only when its file has been read: where its box in the world
-/// lies relative to the camera. An error when it reaches behind the front of the main lens, a
-/// warning when it reaches inside the front focal point (its image is virtual). The camera must
+/// Checks a flame whose extent is known only after its file has been read: the position of its
+/// world box relative to the camera. An error if the box reaches behind the front of the main lens.
+/// A warning if it reaches inside the front focal point (its image is virtual). The camera must
 /// have passed validate().
 /// @param key path of the flame, for the issues, e.g. "flames[0].position"
 std::vector<SceneIssue> check_flame_box(const CameraSpec& camera, const std::string& flame_name,

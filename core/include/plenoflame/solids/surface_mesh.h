@@ -22,7 +22,7 @@ struct SurfaceMesh {
 struct SurfaceMeshSettings {
   int around = 64;     ///< pieces of a circle
   int across = 120;    ///< pieces along a side that has a texture
-  double endless = 2;  ///< [m] side of the square that stands for a plane without end
+  double endless = 2;  ///< [m] side of the square that represents an infinite plane
   Vec3 endless_near;   ///< [m] world; its middle is the point of the plane nearest to this one
 };
 

@@ -49,8 +49,8 @@ class SurfaceScene {
  public:
   virtual ~SurfaceScene() = default;
 
-  /// The first surface that a ray meets at t_near < t < t_far; the ray does not meet the place it
-  /// starts from again, whatever rounding did to its origin.
+  /// The first surface that a ray meets at t_near < t < t_far. The place where the ray starts is
+  /// not met again, even if its origin is rounded.
   virtual bool intersect(const Ray& ray, double t_near, double t_far, SurfacePart from,
                          SurfaceHit& hit) const = 0;
   /// Tells whether there is any.

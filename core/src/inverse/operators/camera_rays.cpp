@@ -25,15 +25,15 @@ struct DrawnRay {
   CameraRay ray;
 };
 
-/// Neighbours in a square of so many pixels are a piece, if these are not too many.
+/// A square of neighbouring pixels with this side is a piece, unless it has too many rows or rays.
 constexpr int kPieceSide = 64;
 constexpr std::size_t kRowsOfPiece = 512, kRaysOfPiece = std::size_t{1} << 18;
 
 /// [byte] that a ray takes while all are drawn: it is there twice for a moment.
 constexpr double kBytesOfRay = sizeof(CameraRay) + sizeof(DrawnRay);
-/// Microlenses that cover a pixel, hardly ever more.
+/// Usual largest number of microlenses that cover a pixel.
 constexpr double kMostLenses = 4;
-/// Rays of each replicate by which the number of all is told.
+/// Rays of each replicate for estimating the number of all rays.
 constexpr int kCountedSamples = 4;
 
 bool meets(const Box& box, const CameraRay& ray) {
@@ -52,7 +52,7 @@ bool meets(const Box& box, const CameraRay& ray) {
   return to > from;
 }
 
-/// Weight in a channel of light that goes one way through the camera, and one part of its stop.
+/// Weight in a channel of light on one path through the camera and one part of its stop.
 class RayShares {
  public:
   RayShares(const CompiledScene& scene, std::size_t channel)
@@ -68,8 +68,7 @@ class RayShares {
     }
   }
 
-  /// If glasses disperse, all wavelengths that stand for the channel behind the part count
-  /// alike.
+  /// If glasses disperse, all wavelengths of the channel behind the part count alike.
   double of(int path, int part) const {
     const auto p = static_cast<std::size_t>(part);
     if (!shown_[static_cast<std::size_t>(path)][p]) return 0;
@@ -83,8 +82,8 @@ class RayShares {
   std::vector<std::vector<char>> shown_;  ///< of each spectral path, by part
 };
 
-/// Pixels of one camera that are put together: blocks, or cells of micro-images. Each pixel has a
-/// place, block after block and line by line within each.
+/// Groups of pixels of one camera: blocks, or cells of micro-images. Each pixel has a place, block
+/// after block and line by line within each.
 class Blocks {
  public:
   Blocks(const CameraView& view, const CameraRaySettings& settings)
@@ -209,8 +208,8 @@ void check_view(const CameraView& view, const PixelWindow& window, const Box& bo
   check_region(*view.compiled, box, "the grid of the unknowns", view.compiled_name);
 }
 
-/// Hands out rays of one camera, those of a tile in an order that does not depend on threads, and
-/// those of a pixel in one that does not depend on the window either.
+/// Hands out rays of one camera. The order of a tile's rays does not depend on threads; the order
+/// of a pixel's rays does not depend on the window either.
 void draw(const CompiledScene& scene, const Blocks& blocks, const Box& box,
           const CameraRaySettings& settings, const Execution& execution, const TakeRay& take) {
   RenderSettings render;

@@ -176,7 +176,7 @@ Parts read_npz(const std::string& path) {
 
 // ---- HDF5 ---------------------------------------------------------------------------------------
 
-/// Values that a stored byte may stand for: deflate makes nothing more than 1032 times smaller.
+/// Largest number of values per stored byte: deflate shrinks by a factor of 1032 at most.
 constexpr hsize_t kMostShrunk = 1040;
 
 template <class Number>

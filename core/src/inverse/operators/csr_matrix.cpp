@@ -12,12 +12,12 @@ namespace {
 
 /// Rows that one task of A x works on.
 constexpr std::size_t kRowsOfTask = 1024;
-/// Sums of A^T y that are made apart from each other: enough for many threads, and few enough that
-/// adding them up takes little against the entries.
+/// Largest number of separate partial sums of A^T y. They suffice for many threads, and adding them
+/// up takes little time compared with the entries.
 constexpr std::size_t kMostRowRanges = 64;
 constexpr std::size_t kEntriesOfPart = 1 << 16;
-/// A part's sums are cleared, and read at the end: three passes, few against so many entries of
-/// each column.
+/// A part's sums are cleared, and read at the end. These three passes are cheap for this number of
+/// entries per column.
 constexpr std::size_t kEntriesOfSum = 16;
 
 template <class Value>
@@ -58,8 +58,8 @@ class CsrOperator final : public LinearOperator {
       add_rows(0, rows(), y, x);
       return;
     }
-    // As many sums at a time as there are threads, added up in their order: memory that was written
-    // to before is cleared several times as fast as new one.
+    // There are as many sums at a time as threads, added up in their order. Memory that was written
+    // to before is cleared several times as fast as new memory.
     const auto together = static_cast<std::size_t>(execution_.thread_count());
     std::vector<std::vector<double>> sums(std::min(parts, together));
     for (std::size_t first = 0; first < parts; first += sums.size()) {

@@ -13,8 +13,8 @@ namespace {
 
 /// Rows whose replicates are compared.
 constexpr std::size_t kComparedRows = 4096;
-/// Rows by which the entries of all are told before these are drawn; rays of a pixel, in the fewest
-/// that can be drawn, for which that is worth its time.
+/// Number of sampled rows that estimate the number of all entries before rays are drawn. The
+/// estimate pays from this number of rays per pixel and replicate on.
 constexpr std::size_t kSampledRows = 64;
 constexpr int kFewestOfSample = 4;
 

@@ -13,16 +13,16 @@
 
 /// Operators whose rows are made by following rays: without a matrix, or stored.
 ///
-/// `Rows` is copied freely and has rows(), columns(), pieces(), and walk(), an object for one
-/// thread whose follow(row, use) calls use(column, value) for every contribution to the row, in an
-/// order that depends on nothing but the row. Rows of a piece are followed one after the other:
-/// their rays may be drawn together (RowRays).
+/// `Rows` is copied freely and has rows(), columns(), pieces() and walk(). The latter returns an
+/// object for one thread; its follow(row, use) calls use(column, value) for every contribution to
+/// the row. The order of contributions depends on nothing but the row. Rows of a piece are followed
+/// one after the other: their rays may be drawn together (RowRays).
 namespace plenoflame {
 
 /// Rows of a stored matrix that one task works on.
 inline constexpr std::size_t kFollowedRows = 256;
-/// Sums of A^T that are made apart from each other, each of some pieces: they depend on neither
-/// threads nor the way that rays are at hand.
+/// Number of separate partial sums of A^T, each of some pieces. They depend neither on threads nor
+/// on whether rays are kept or drawn again.
 inline constexpr std::size_t kFollowedParts = 16;
 
 /// A row's entries by column, gathered densely.
@@ -36,7 +36,7 @@ class RowSum {
     }
     value_[column] += value;
   }
-  /// Hands out what is not 0 in the order of the columns, and begins anew.
+  /// Hands out the entries that are not 0 in the order of the columns, and clears the row.
   template <class Use>
   void take(const Use& use) {
     std::sort(columns_.begin(), columns_.end());
@@ -160,7 +160,7 @@ inline constexpr std::size_t kRowsOfBatch = 64 * kFollowedRows;
 /// taken.
 inline constexpr double kRoomForEntries = 1.2;
 
-/// Appends the rows to a matrix that comes about. @param starts begins with 0 @throws Cancelled
+/// Appends the rows to a growing matrix. @param starts begins with 0 @throws Cancelled
 template <class Rows>
 void gather_rows(const Rows& all, const Execution& execution, std::vector<std::int64_t>& starts,
                  std::vector<std::int32_t>& indices, std::vector<float>& values) {
@@ -188,8 +188,8 @@ void gather_rows(const Rows& all, const Execution& execution, std::vector<std::i
   }
 }
 
-/// The rows as a matrix, the same for any number of threads, made a piece at a time: rays of a
-/// piece are drawn once, and all entries are there twice for a moment. @throws Cancelled
+/// The rows as a matrix, the same for any number of threads, made a piece at a time. Rays of a
+/// piece are drawn once. All entries are in memory twice for a moment. @throws Cancelled
 template <class Rows>
 CsrMatrix<float> store_pieces(const Rows& all, const Execution& execution) {
   const RowPieces pieces = all.pieces();

@@ -9,8 +9,8 @@
 
 namespace plenoflame {
 
-/// An operator that remembers its last product A x. Where rays are followed again it takes long,
-/// and nearly every solver has just multiplied what it hands out after a stop.
+/// An operator that remembers its last product A x. A product takes long where rays are followed
+/// again. After a stop, nearly every solver has just multiplied the vector that it returns.
 class RememberedProduct final : public LinearOperator {
  public:
   /// @param a must outlive it

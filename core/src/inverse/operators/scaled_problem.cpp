@@ -216,7 +216,7 @@ Solution ScaledProblem::solve_absolute(std::span<const double> b, double strengt
   try {
     solution = solve_by_solver(whole, penalty, own, execution);
   } catch (const Cancelled&) {
-    // In the middle of a product. What the iterations before it have reached is kept.
+    // The stop came within a product: the result of the iterations before it is kept.
     if (kept.history.empty()) throw;
     solution = std::move(kept);
     solution.reason = StopReason::stopped;

@@ -11,7 +11,7 @@
 
 namespace plenoflame {
 
-/// Strengths that are looked at.
+/// Range of the tested strengths.
 inline constexpr StrengthRange kLinearRange{1e-10, 1, 11, 2, 200};
 
 /// The penalty of a reconstruction on one value per unknown.
@@ -25,7 +25,7 @@ struct ChosenPenalty {
 ChosenPenalty make_penalty_of(const ReconstructionSettings& settings, const Unknowns& unknowns,
                               std::vector<char> mask, bool empty_outside);
 
-/// A diag(scale): the unknowns in units of their own. Those of scale 0 play no part.
+/// A diag(scale): the unknowns in their own units. Unknowns with scale 0 have no effect.
 class ScaledColumns final : public LinearOperator {
  public:
   ScaledColumns(const LinearOperator& a, std::vector<double> scale);

@@ -7,8 +7,8 @@
 
 namespace plenoflame {
 
-/// Entries that are worth a thread: beginning and ending one takes about as long as multiplying by
-/// half of them.
+/// Fewest entries for a thread. Starting and ending one takes about as long as multiplying by half
+/// of them.
 inline constexpr std::size_t kEntriesOfThread = std::size_t{1} << 19;
 
 /// The threads of products with a matrix, which are the same for any number of them.

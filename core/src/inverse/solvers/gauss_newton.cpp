@@ -144,7 +144,7 @@ Solution solve_gauss_newton(const NonlinearProblem& problem, const Regularisatio
       (!problem.upper.empty() && problem.upper.size() != columns))
     throw UsageError("bounds and start have different numbers of unknowns");
   const GaussNewton method(problem, regularisation);
-  Execution inner;  // what a step asks for reports nothing
+  Execution inner;  // inner steps report nothing
   inner.threads = execution.threads;
   inner.stop = execution.stop;
   std::vector<double> x = options.start;

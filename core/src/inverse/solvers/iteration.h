@@ -26,7 +26,7 @@ class Iteration {
       : options_(options), execution_(execution) {}
 
   /// @param x after the iteration @param before it
-  /// @return whether to go on
+  /// @return whether to continue
   bool add(double misfit, double penalty, std::span<const double> x,
            std::span<const double> before);
   /// Ends where the gradient of half of the objective is small enough. @return whether it is

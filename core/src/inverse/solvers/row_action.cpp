@@ -10,7 +10,7 @@ namespace {
 struct Subset {
   const LinearProblem* problem = nullptr;
   std::vector<double> row_factor;     ///< w_i / sum of row i; 0 for rows that count nothing
-  std::vector<double> column_factor;  ///< 1 / sum of column j; 0 for columns that nobody sees
+  std::vector<double> column_factor;  ///< 1 / sum of column j; 0 for columns without entries
   double weight_of(std::size_t row) const {
     return problem->weights.empty() ? 1 : problem->weights[row];
   }

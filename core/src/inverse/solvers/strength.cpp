@@ -31,8 +31,8 @@ double negative_part(std::span<const double> x) {
   return all > 0 ? std::sqrt(below / all) : 0;
 }
 
-/// Trace of the influence matrix W A (A^T W^2 A + s L^T L)^-1 A^T W, by probing: the same random
-/// signs for every strength, so that the curve is smooth (Girard 1989).
+/// Trace of the influence matrix W A (A^T W^2 A + s L^T L)^-1 A^T W, by probing (Girard 1989). The
+/// random signs are equal for every strength, so that the curve is smooth.
 double influence(const LinearProblem& problem, const Regularisation& penalty,
                  const StrengthRange& range, const Execution& execution) {
   SignSequence signs(11);
@@ -81,7 +81,7 @@ class Trials {
       const auto columns = static_cast<double>(problem_.a->columns());
       const double left = independent_errors(counted_rows(problem_), columns) -
                           influence(problem_, penalty_, range_, execution_);
-      // A probe that a stop cuts short tells no trace.
+      // A probe that a stop interrupts gives no trace.
       if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();
       curve_.push_back({strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left),

@@ -44,7 +44,7 @@ std::vector<double> weighted_model(const LinearProblem& problem, std::span<const
   return y;
 }
 
-/// For what a step of the work asks for.
+/// For the inner steps of a computation.
 Execution quiet(const Execution& execution) {
   Execution inner = execution;
   inner.progress = nullptr;

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kLit = 5;  ///< deviations above which a pixel counts
 constexpr int kSteps = 20;
-/// Share of the largest curvature: less is not told by the pictures. One camera's rays diverge by
-/// its field of view, whose square it has of its own depth, and what round flames are not makes
-/// more of that.
+/// Directions below this share of the largest curvature are held, because the pictures do not
+/// determine them. One camera measures its own depth only by the divergence of its rays: the square
+/// of its field of view. Flames that are not round add to this curvature.
 constexpr double kHeld = 1e-2;
 constexpr double kSettled = 1e-9;
 
@@ -48,7 +48,7 @@ FlameAxis fit_axis(const CameraRays& rays, const MeasuredRows& measured, const F
   const Vec3 w = axis.direction;
   const Vec3 aside = std::fabs(w.x) < 0.9 ? Vec3{1, 0, 0} : Vec3{0, 1, 0};
   const Vec3 u = normalize(aside - dot(aside, w) * w), v = cross(w, u);
-  // Turning about the base by a height of light moves as much as shifting does.
+  // A rotation about the base by the light's height moves as much as a shift.
   double reach = 0, weights = 0;
   for (const LitRay& ray : lit) {
     const double along = dot(ray.origin - start.base, ray.direction);
@@ -85,7 +85,7 @@ FlameAxis fit_axis(const CameraRays& rays, const MeasuredRows& measured, const F
       normal += ray.weight * slope * slope.transpose();
       right -= ray.weight * distance(moved(p), ray) * slope;
     }
-    // Directions that the pictures do not tell stay where they are.
+    // Directions that the pictures do not determine stay unchanged.
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> parts(normal);
     Eigen::Vector4d change = Eigen::Vector4d::Zero();
     for (int k = 0; k < 4; ++k) {

@@ -20,7 +20,7 @@ constexpr const char* kNoLight =
 constexpr double kAboveNoise = 5, kEdge = 4, kNearEdge = 2;
 /// Share of the light beyond a side: four sides of several views are less than kLightCut.
 constexpr double kCutAway = 0.15 * kLightCut;
-/// Rows of a view, about: blocks of pixels are put together until there are no more.
+/// Approximate number of rows of a view: blocks of pixels grow until there are no more.
 constexpr double kRows = 250000;
 /// Share of the light's block that is added on each side: emission ends within.
 constexpr double kMargin = 0.1;
@@ -261,7 +261,7 @@ Box block_of_light(const std::vector<CameraView>& views,
                    const std::vector<Measurement>& measurements, const Box& known,
                    const Execution& execution, int channel) {
   const Vec3 middle = known.empty() ? meeting_point(views) : 0.5 * (known.lower + known.upper);
-  // The corners of the cube that is looked at stay in front of every camera.
+  // The corners of the searched cube stay in front of every camera.
   double reach = std::numeric_limits<double>::max();
   for (const CameraView& view : views)
     reach = std::min(reach, 0.5 * length(middle - view.scene->scene.camera.position));

@@ -47,7 +47,7 @@ class LayerUnknowns : public Unknowns {
   void append(const Ray& ray, double t_near, double t_far,
               std::vector<RayInterval>& out) const override;
   VoxelField field(std::span<const double> values, const std::string& name) const override {
-    // So many voxels that a layer is as wide as one along the shortest semi-axis.
+    // The voxel size is the width of a layer along the shortest semi-axis.
     const Vec3 a = grid_.semi_axes;
     const double step = std::min({a.x, a.y, a.z}) / grid_.layers;
     const auto half = [&](double reach) { return static_cast<int>(std::ceil(reach / step)); };

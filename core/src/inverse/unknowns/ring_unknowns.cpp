@@ -9,8 +9,8 @@
 namespace plenoflame {
 namespace {
 
-/// Along a stretch between two faces the radius is no linear function of the way, least so near the
-/// closest place: stretches within so many steps of its radius are cut in parts.
+/// Between two faces the radius is no linear function of the distance, least of all near the
+/// closest point. Intervals within kCurved steps of its radius are cut into kRingParts parts.
 constexpr int kRingParts = 2, kCurved = 3;
 
 /// Crossings of a ray with faces of heights and rings, each kind in its order along the ray.

@@ -15,7 +15,7 @@ std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const d
     for (std::size_t j = 0; j < values.size(); ++j) {
       const int at = static_cast<int>(j / stride % static_cast<std::size_t>(shape[a]));
       const bool centre = a == 0 && at == 0 && unknowns.begins_at_centre();
-      // A line that ends at the grid's rim may go on beyond it.
+      // A line that ends at the grid's rim may extend beyond it.
       if (shape[a] < 2 || at + 1 == shape[a] || (at == 0 && !centre)) continue;
       const double lower = before[centre ? j + stride : j - stride];
       values[j] += (lower - 2 * before[j] + before[j + stride]) / 12;

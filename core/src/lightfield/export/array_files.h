@@ -22,8 +22,9 @@ struct NamedArray {
 };
 
 /// A numpy .npz file: an uncompressed ZIP archive (PKWARE APPNOTE 6.3.10) of .npy files (format
-/// 1.0). @throws InputError beyond 4 GiB, where ZIP needs its 64-bit records
-/// @param texts scalars of bytes by name, as numpy keeps short words
+/// 1.0).
+/// @throws InputError beyond 4 GiB, where ZIP needs its 64-bit records
+/// @param texts scalars of bytes by name, as numpy stores short words
 std::string npz_bytes(const std::vector<NamedArray>& arrays,
                       const std::vector<std::pair<std::string, std::string>>& texts = {});
 

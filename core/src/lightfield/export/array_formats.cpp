@@ -51,7 +51,7 @@ NamedArray views_array(const Views& views) {
   return array;
 }
 
-/// Raw image, where its micro-images are, the views and what they stand for.
+/// Raw image, places of its micro-images, and the views with their geometry.
 std::vector<NamedArray> all_arrays(const ExportJob& job) {
   const Views views = job.views(9);
   const PixelWindow& window = job.field.window;

@@ -47,7 +47,7 @@ std::vector<const Image*> view_images(const std::vector<Views>& colours, std::si
 
 /// Decimal text that reads back to the same double.
 std::string number(double value);
-/// The same with a point or exponent in it, for readers that tell whole numbers from real ones.
+/// The same with a point or exponent in it, for readers that distinguish integers from reals.
 std::string real(double value);
 
 void export_plenoptic_toolbox(const ExportJob& job);

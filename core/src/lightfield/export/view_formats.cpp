@@ -91,7 +91,7 @@ void export_hci(const ExportJob& job) {
   const int larger = std::max(first.width, first.height);
   const double sensor = 1e3 * views.lens_step * larger;
   const double focal = geometry.focal * sensor / larger;
-  // The range that a pixel can tell apart: objects from half the distance in focus to infinity.
+  // The range of resolvable depths: objects from half the distance in focus to infinity.
   const double far = geometry.focal * baseline * (0 - 1 / (geometry.focus - geometry.plane));
   const double near =
       geometry.disparity(geometry.plane + 0.5 * (geometry.focus - geometry.plane), step);
@@ -104,7 +104,7 @@ void export_hci(const ExportJob& job) {
   add("image_resolution_x_px", std::to_string(first.width));
   add("image_resolution_y_px", std::to_string(first.height));
   add("sensor_size_mm", number(sensor));
-  add("fstop", "100.0");  // the views stand for pinholes
+  add("fstop", "100.0");  // the views represent pinholes
   text += "\n[extrinsics]\n";
   add("num_cams_x", std::to_string(grid));
   add("num_cams_y", std::to_string(grid));

@@ -68,8 +68,8 @@ void export_plenoptic_toolbox(const ExportJob& job) {
   pugi::xml_document document;
   pugi::xml_node root = start(document).append_child("RayCalibData");
   root.append_attribute("version") = "1.0";
-  // From the middle of the picture, (width - 1) / 2 in coordinates where pixels are centred on
-  // whole numbers; the reader takes y upwards and angles counter-clockwise.
+  // From the middle of the picture, which is (width - 1) / 2 if pixels are centred on integers. The
+  // reader's y points upwards, and its angles are counter-clockwise.
   add_pair(root, "offset", "pix", centre.x - middle.x, -(centre.y - middle.y));
   add_value(root, "diameter", "pix", grid.pitch);
   add_value(root, "rotation", "rad", -grid.rotation);
@@ -85,9 +85,9 @@ void export_plenoptic_toolbox(const ExportJob& job) {
   pugi::xml_node parameters = distortion.append_child("parameter");
   parameters.append_attribute("count") = 0;
   add_pair(distortion, "offset", "pix", 0, 0);
-  // Three entries even for a camera of one type: the reader needs them. Entry i is our type i: the
-  // reader's type of lens (c0, c1) = (down-right, right) is (c1 - c0) mod 3, ours (c0 - c1) mod 3,
-  // and it finds the types of the entries' offsets with x in the place of c0.
+  // The reader needs three entries even for a camera of one type. Entry i is our type i. The
+  // reader's type of lens (c0, c1) = (down-right, right) is (c1 - c0) mod 3, ours is (c0 - c1) mod
+  // 3. It finds the types of the entries' offsets with x in the place of c0.
   const CameraDesign properties = design(camera);
   const int types = static_cast<int>(properties.types.size());
   for (int id = 0; id < 3; ++id) {
@@ -95,7 +95,7 @@ void export_plenoptic_toolbox(const ExportJob& job) {
     double low = std::fabs(type.array.near / type.sensor_distance);
     double high = std::fabs(type.array.far / type.sensor_distance);
     if (low > high) std::swap(low, high);
-    // A range that goes through infinity, or ends beyond what neighbours can tell apart.
+    // A range through infinity, or beyond the depth resolution of neighbours.
     if (type.array.near * type.array.far < 0 || !std::isfinite(high)) high = 100;
     low = std::clamp(low, 1.0, 99.0);
     high = std::clamp(high, low + 0.1, 100.0);

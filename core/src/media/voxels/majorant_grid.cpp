@@ -6,8 +6,8 @@ namespace plenoflame {
 namespace {
 
 constexpr int kMostCells = 32;  ///< along the longest side
-/// The amount by which a box is widened, over the size of everything: places near the face of a
-/// cell may be rounded to the other side of it.
+/// Margin of a box, relative to the medium's size: rounding may move a place near a cell's face to
+/// the other side.
 constexpr double kRounding = 1e-9;
 
 }  // namespace
@@ -19,8 +19,8 @@ MajorantGrid::MajorantGrid(const Medium& medium)
   size_ = {sides.x, sides.y, sides.z};
   const double longest = std::max({size_[0], size_[1], size_[2]});
   const double most = *std::max_element(majorants_.begin(), majorants_.end());
-  // A cell is crossed in a fraction of the time that a place takes to look up: one to a mean free
-  // path, where there are as many.
+  // Crossing a cell takes a fraction of the time of looking up a place. One cell per mean free path
+  // is therefore cheap, up to kMostCells.
   const double cells = std::clamp(most * longest, 1.0, static_cast<double>(kMostCells));
   for (std::size_t a = 0; a < 3; ++a) {
     count_[a] = std::max(1, static_cast<int>(std::ceil(cells * size_[a] / longest - kRounding)));

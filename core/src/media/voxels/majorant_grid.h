@@ -9,18 +9,18 @@
 
 namespace plenoflame {
 
-/// Places in a medium where light may be absorbed or scattered: they are proposed by delta tracking
-/// (Woodcock et al., ANL-7050, 1965) with a largest extinction for each cell of a coarse grid
-/// (Szirmay-Kalos et al., Comput. Graph. Forum 30 (2011) 1823), so that a dense wisp in a wide thin
-/// cloud costs steps only where it is. Immutable.
+/// Places in a medium where light may be absorbed or scattered. Delta tracking (Woodcock et al.,
+/// ANL-7050, 1965) proposes them with a majorant for each cell of a coarse grid (Szirmay-Kalos et
+/// al., Comput. Graph. Forum 30 (2011) 1823). A dense wisp in a wide thin cloud therefore costs
+/// steps only where it is. Immutable.
 class MajorantGrid {
  public:
   /// @throws InputError when the medium does not know its largest absorption
   explicit MajorantGrid(const Medium& medium);
 
-  /// Proposes places along the ray within the bounds and [near, far], by the largest extinction of
-  /// a node, until one is taken: accept(t, majorant) [m, 1/m] has to take it with the probability
-  /// extinction / majorant.
+  /// Proposes places along the ray within the bounds and [near, far], by the majorant of a node,
+  /// until one is accepted. The function accept(t, majorant) [m, 1/m] must accept with the
+  /// probability extinction / majorant.
   /// @return whether one was; t is its place then
   template <class Accept>
   bool draw(const Ray& ray, double near, double far, std::size_t node, NoiseStream& noise,

@@ -8,9 +8,10 @@ inline constexpr int kBrickSide = 8;               // cells along a brick
 inline constexpr int kApronSide = kBrickSide + 1;  // samples along a brick
 inline constexpr int kBrickPairs = kApronSide * kApronSide * kApronSide;
 inline constexpr int kLanes = 16;  // rays that advance together
-// Step codes of a brick, 4 bits per cell: the code of cell (i, j, k) is in the bits from 4 k of
-// word 8 i + j. Code kCellStep + e: for e >= 0 the aligned block of 2^e cells that holds the cell
-// is constant and can be crossed at once; for e < 0 the cell needs intervals of 2^e spacings.
+// Step codes of a brick, 4 bits per cell. The code of cell (i, j, k) is in the bits from 4 k of
+// word 8 i + j. A code is kCellStep + e. For e >= 0 the aligned block of 2^e cells that holds the
+// cell is constant and can be crossed in one step. For e < 0 the cell needs intervals of 2^e
+// spacings.
 inline constexpr int kStepWords = kBrickSide * kBrickSide;
 inline constexpr int kCellStep = 8;
 inline constexpr int kMaxFitTerms = 12, kTermsOfTwo = 10;

@@ -33,8 +33,8 @@ class Packet {
   }
 
  private:
-  // From world to cell coordinates, clipped to the medium's box: in double, for the anchor may be
-  // far from the lattice's origin and the rays from the medium.
+  // From world to cell coordinates, clipped to the medium's box. In double precision, because the
+  // anchor may be far from the lattice's origin and the rays far from the medium.
   void start() {
     alignas(64) double from[kLanes], to[kLanes];
     for (int l = 0; l < kLanes; ++l) {
@@ -119,8 +119,8 @@ class Packet {
     set_planes(temperature_line_, end_);
   }
 
-  // Steps every searching ray to its next brick that must be crossed cell by cell; over empty
-  // blocks and bricks at once, through constant bricks in closed form.
+  // Steps every searching ray to its next brick that must be crossed cell by cell. Empty blocks and
+  // bricks are crossed in one step, constant bricks in closed form.
   // @return false when no ray has any left
   bool next_bricks() {
     for (int l = 0; l < kLanes; ++l) found_[l] = 0;
@@ -312,8 +312,8 @@ class Packet {
     return special == 0;
   }
 
-  // Lays out the next interval of every lane: up to the next face of its cell (or of the constant
-  // block around it), or less where the cell is to be cut.
+  // Lays out the next interval of every lane. It ends at the next face of its cell (or of the
+  // constant block around it), or earlier if the cell is cut.
   // @return lanes that still have a part of their brick before them; the others get length 0
   template <bool kOwnTemperature, bool kPlain>
   int advance(Crossing& at, Intervals<Real>& now, Intervals<Real>& own) {
@@ -354,14 +354,14 @@ class Packet {
       const int next_x = next_cell<kPlain>(low_x, rest, t_x <= next, at.up.x[l], o_x + next * d_x);
       const int next_y = next_cell<kPlain>(low_y, rest, t_y <= next, at.up.y[l], o_y + next * d_y);
       const int next_z = next_cell<kPlain>(low_z, rest, t_z <= next, at.up.z[l], o_z + next * d_z);
-      // Out of the brick: whatever rounding left of the segment goes to its last interval.
+      // Out of the brick: the rest of the segment after rounding belongs to its last interval.
       const bool leaves = ((next_x | next_y | next_z) & ~7) != 0;
       const Real until = leaves ? last : clamp(next, begin, last);
       const Real h = until - begin;
       now.length[l] = h;
       const Real node0 = begin + kNode0 * h, node1 = begin + kNode1 * h;
-      // Rounding may put a node 1e-5 of a spacing outside of its cell: continuing the cell's
-      // interpolation there is harmless, and absorption is kept from falling below 0 in compose().
+      // Rounding may put a node 1e-5 of a spacing outside of its cell. Extrapolation over this
+      // distance is harmless, and compose() keeps absorption from falling below 0.
       const Real c_x = o_x - static_cast<Real>(x), c_y = o_y - static_cast<Real>(y),
                  c_z = o_z - static_cast<Real>(z);
       now.at[0].x[l] = c_x + node0 * d_x;
@@ -402,7 +402,7 @@ class Packet {
   static constexpr Real kNode0 = Real(0.21132486540518711775);
   static constexpr Real kNode1 = Real(0.78867513459481288225);
 
-  // Asks for the samples of the next interval.
+  // Loads the samples of the next interval.
   PLENOFLAME_INLINE void fetch(const Crossing& at, const Intervals<Real>& next) {
     for (int l = 0; l < kLanes; ++l) {
       const float* corner = at.values[l] + next.pair[l];
@@ -539,8 +539,8 @@ class Packet {
     }
   }
 
-  // Light and transmittance are counted in units of 2^-60: what cold gas sends through the first
-  // cells is no denormal number, which would cost a hundred times as much.
+  // Light and transmittance are in units of 2^-60. Light of cold gas in the first cells is then no
+  // denormal number, which would cost a hundred times as much.
   static constexpr Real kAllPasses = Real(0x1p60), kOpaque = Real(1e-7) * kAllPasses;
 
   const voxel::Call<Real>& call_;

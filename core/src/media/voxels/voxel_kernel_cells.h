@@ -167,7 +167,7 @@ PLENOFLAME_INLINE int find_brick(const LatticeView& cells, int x, int y, int z) 
   return block < 0 ? -1 : cells.table[block + ((x & 7) << 6 | (y & 7) << 3 | (z & 7))];
 }
 
-// The brick of the values that an entry stands for.
+// The brick that holds the values of an entry.
 PLENOFLAME_INLINE int data_of(const LatticeView& cells, int entry) {
   if (entry < 0) return cells.blank;
   return entry & 1 ? cells.constant_data[entry >> 1] : entry >> 1;
@@ -194,9 +194,9 @@ PLENOFLAME_INLINE void load(const float* p, Double4& out) {
   out = Double4{p[0], p[1], p[2], p[3]};
 }
 
-// An interval's length, its cell (as the first number of the cell's lowest pair in its brick, or by
-// coordinates) and, at its two Gauss nodes, the place within the cell [0, 1]^3 and the fields,
-// (temperature, absorption) in pairs.
+// An interval's length and cell: the number of the cell's lowest pair in its brick, or coordinates.
+// At the two Gauss nodes: the place within the cell [0, 1]^3 and the fields as pairs (temperature,
+// absorption).
 template <class Real>
 struct Intervals {
   alignas(64) Real length[kLanes];

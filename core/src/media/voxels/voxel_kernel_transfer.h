@@ -24,8 +24,9 @@ PLENOFLAME_INLINE void inverse_above(Real hottest, const Real* __restrict temper
   }
 }
 
-// Planck's e / (1 - x), x = occupation * e: by its series where x^3 is beyond single precision. x
-// itself, which may be too small to be a normal number, is never made.
+// Planck's e / (1 - x), x = occupation * e. It is replaced by its series if x^3 is below single
+// precision. The product x may be denormal, so the series uses 1 + x (a fused multiply-add where
+// the processor has one).
 constexpr float kDilute = 0x1p-9f;
 template <bool dilute, class Real>
 PLENOFLAME_INLINE Real with_stimulated(Real e, Real occupation) {
@@ -108,8 +109,8 @@ PLENOFLAME_INLINE void source_of(const voxel::SourceView<Real>& source,
   }
 }
 
-// interval_weights() for tau0 + tau1 <= kThin, without exponentials or divisions:
-// psi = (1 - e^-tau)/tau and (near - far weight)/tau^2 of the linear transfer as series whose first
+// interval_weights() for tau0 + tau1 <= kThin, without exponentials or divisions. psi = (1 -
+// e^-tau)/tau and (near - far weight)/tau^2 of the linear transfer are series. Their first
 // neglected terms are below 1e-8 (float).
 constexpr float kThin = 0.125f;
 PLENOFLAME_INLINE IntervalWeights<float> thin_interval_weights(float tau0, float tau1) {
@@ -123,8 +124,8 @@ PLENOFLAME_INLINE IntervalWeights<float> thin_interval_weights(float tau0, float
   return {1.0f - emissivity, greatest(emissivity - far, 0.0f), far};
 }
 
-// One interval of every lane for a channel whose absorption is `factor` times that of `tau`. What
-// is passed comes first: thin gas times cold gas may be no normal number.
+// One interval of every lane for a channel whose absorption is `factor` times that of `tau`. The
+// product with `passed` comes first: the product of a thin gas and a cold source may be denormal.
 template <class Real>
 PLENOFLAME_INLINE void pass_interval(Real factor, bool thin, const Real (&tau)[2][voxel::kLanes],
                                      const Real* __restrict source, Real* __restrict radiance,

@@ -17,10 +17,9 @@ struct ExtraField {
   bool emits;  ///< cells where it is not 0 are not empty
 };
 
-/// One or two fields, and further ones, on the same samples as bricks of 8 x 8 x 8 cells with an
-/// apron, ready for the kernel. Index coordinates here are those of the field, shifted by half a
-/// spacing when every voxel has one value, so that a cell always reaches from one whole coordinate
-/// to the next.
+/// One or more fields on the same samples as bricks of 8 x 8 x 8 cells with an apron, ready for the
+/// kernel. Index coordinates are those of the field, shifted by half a spacing when every voxel has
+/// one value. A cell then always reaches from one integer coordinate to the next.
 class Lattice {
  public:
   /// Cells where `absorption`, or one of the extra fields, is not 0. Temperature sample i +
@@ -38,9 +37,9 @@ class Lattice {
   /// (temperature, absorption) at an index coordinate; the background outside of stored bricks.
   std::array<double, 2> sample(Vec3 index) const;
   /// sample() at several index coordinates of one cell, which is looked up once.
-  /// @param temperature, absorption `count` values each; nullptr: not wanted
+  /// @param temperature, absorption `count` values each; nullptr: skipped
   void sample_cell(const Vec3* index, int count, double* temperature, double* absorption) const;
-  /// Adds up what a caller makes of the extra fields at an index coordinate: weights[e] * field e.
+  /// Weighted sum of the extra fields at an index coordinate: weights[e] * field e.
   double sum_extras(Vec3 index, const double* weights) const;
   /// Tells whether the brick around an index coordinate is stored.
   bool occupied(Vec3 index) const;

@@ -393,7 +393,7 @@ class VoxelMedium final : public Medium, public CellSampling {
 };
 
 double VoxelMedium::largest_share(const Box& box) const {
-  // The box of the world's box: what a turn adds is looked at, too.
+  // The box of the rotated box, including the corners that the rotation adds.
   constexpr double kInf = std::numeric_limits<double>::infinity();
   Vec3 lower{kInf, kInf, kInf}, upper = -1.0 * lower;
   for (int corner = 0; corner < 8; ++corner) {

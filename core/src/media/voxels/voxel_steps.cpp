@@ -21,8 +21,8 @@ struct Samples {
   int extra_fields;
 };
 
-// Tells whether nothing varies in the block of side^3 cells whose lowest is (i, j, k): all samples
-// are equal, or nothing absorbs; and all extra fields are.
+// Tells whether the block of side^3 cells whose lowest is (i, j, k) is uniform. Either all samples
+// are equal or nothing absorbs; and the extra fields are constant.
 bool uniform(const Samples& samples, int i, int j, int k, int side) {
   const float* const pairs = samples.pairs;
   const float* first = sample(pairs, i, j, k);
@@ -76,11 +76,10 @@ void StepPlanner::plan(const float* pairs, bool one_value_per_cell, bool own_tem
   }
 }
 
-// If S falls by a factor e^delta across a cell, two Gauss nodes miss the share
-// (delta/m)^4 / 4320 of the cell's emission when it is cut into m (the rule's remainder for an
-// exponential). With delta from the slope at the hot end, where S is large, that emission is about
-// kappa S h min(1, 1/delta). The largest kappa S of the brick over its 8 spacings is what the error
-// is held against.
+// S falls by a factor e^delta across a cell that is cut into m. Two Gauss nodes then miss the share
+// (delta/m)^4 / 4320 of the cell's emission (the rule's remainder for an exponential). With delta
+// from the slope at the hot end, where S is large, the emission is about kappa S h min(1, 1/delta).
+// The error is compared with the largest kappa S of the brick over its 8 spacings.
 void StepPlanner::subdivide(const float* pairs, int* codes) const {
   float coldest = sample(pairs, 0, 0, 0)[0], hottest = coldest;
   for (int s = 0; s < kBrickPairs; ++s) {

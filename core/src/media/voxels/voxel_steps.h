@@ -5,8 +5,8 @@
 
 namespace plenoflame::voxel {
 
-/// The number of parts into which the cells of a brick must be cut so that two Gauss nodes per
-/// interval suffice: the kernel's step codes (media/voxel_kernel.h).
+/// The number of intervals per cell of a brick with which two Gauss nodes per interval suffice: the
+/// kernel's step codes (media/voxels/voxel_kernel.h).
 class StepPlanner {
  public:
   /// @param tolerance share of a brick's emission that the quadrature of one cell may miss; 0: one

@@ -5,7 +5,7 @@
 namespace plenoflame {
 
 /// Files with numbers in their names, "run_####.vdb": each # stands for a digit, and numbers with
-/// fewer digits are filled with zeros. What is there is looked up once.
+/// fewer digits are padded with zeros. The folder is read once.
 class FileSeries {
  public:
   /// @param pattern relative to `folder`, or absolute; with one run of # in the name of the file

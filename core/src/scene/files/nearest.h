@@ -5,8 +5,8 @@
 
 namespace plenoflame {
 
-/// The candidate with the fewest insertions, deletions, changes and swaps of neighbours away from
-/// `word`; empty when even that one is not similar (more than a third of its letters differ).
+/// The candidate with the smallest edit distance from `word`: insertions, deletions, changes and
+/// swaps of neighbours. Empty if more than a third of its letters differ.
 std::string nearest_word(std::string_view word, const std::vector<std::string>& candidates);
 
 /// "; did you mean \"index\"?", or "; known are a, b, c" when nothing is similar, or nothing.

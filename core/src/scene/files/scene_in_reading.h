@@ -34,12 +34,12 @@ void read_instruction(SceneInReading& reading, const std::string& table, const s
                       const std::vector<std::size_t>& indices, const std::string& name,
                       const std::string& value, const std::string& origin);
 
-/// Applies the settings that are not applied yet, in their order. What they name is asked for, so
-/// that it is opened where the text itself opens no file. @throws InputError
+/// Applies the remaining settings, in their order. Files named by settings are opened even if the
+/// text itself opens no files. @throws InputError
 void apply_settings(SceneInReading& reading);
 
-/// The same for those of one camera of several, once its item is read: cameras that are like it are
-/// like it with these.
+/// Applies the settings of one camera of several, once its item is read. Cameras that are like it
+/// take them over.
 void apply_settings_of_camera(SceneInReading& reading, std::size_t number);
 
 }  // namespace plenoflame

@@ -125,8 +125,8 @@ class Writer {
     write_empty_lists(table, indices);
   }
 
-  /// A list that is empty by default is left out: it reads back as empty, and a table [[NAME]] can
-  /// be added to the file by hand, which TOML forbids beside NAME = [].
+  /// A list that is empty by default is left out. It reads back as empty, and users can add a table
+  /// [[NAME]] to the file, which TOML forbids beside NAME = [].
   void write_empty_lists(std::string_view table, const std::vector<std::size_t>& indices) {
     const Scene untouched;
     for (const SchemaList& list : schema_lists()) {

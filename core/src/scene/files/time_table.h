@@ -6,22 +6,24 @@
 
 namespace plenoflame {
 
-/// The course of a flame over time: a CSV file of times and any of its position's components, its
-/// scale and its brightness, which vary along straight lines between rows.
+/// The course of a flame over time. A CSV file holds times and any of its position's components,
+/// its scale and its brightness, which are linear between rows.
 ///
 ///     time [ms], x [mm], z [mm], brightness
 ///     0,         0,      -29,    1
 ///     10,        2.5,    -29,    0.8
 ///
-/// The first line names the columns, with the units of times and lengths in brackets, parentheses
-/// or behind an underscore (time_ms). Columns are separated by commas, semicolons or tabs; what
-/// follows a #, and lines with nothing else, are left out.
+/// The first line names the columns. It has the units of times and lengths in brackets, parentheses
+/// or behind an underscore (time_ms). Columns are separated by commas, semicolons or tabs; # begins
+/// a comment, and empty lines are skipped.
 class TimeTable {
  public:
-  /// @throws FileError when it cannot be read; InputError "file:line:column: ..." for a header that
-  /// is missing or has unknown, repeated or too few columns or no unit, a row with another number
-  /// of cells, a cell that is no finite number, times that do not ascend, scales that are not
-  /// positive, negative brightness
+  /// @throws FileError when it cannot be read; InputError "file:line:column: ..." for wrong
+  ///         contents
+  ///
+  /// A header is wrong if it is missing, has unknown, repeated or too few columns, or no unit. A
+  /// row is wrong with another number of cells or a cell that is no finite number. Times must
+  /// ascend, scales must be positive, and brightness must not be negative.
   explicit TimeTable(const std::string& path);
 
   double first_time() const { return times_.front(); }                  ///< [s]

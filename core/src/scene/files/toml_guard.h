@@ -5,9 +5,9 @@
 
 namespace plenoflame {
 
-/// Refuses text whose dotted keys have more than 32 parts. The TOML library makes one table within
-/// the other of them and takes them apart by recursion: a hundred thousand parts, a file of 200 kB,
-/// would exhaust the stack. (Nested arrays and inline tables it limits by itself.)
+/// Rejects text whose dotted keys have more than 32 parts. The TOML library nests one table per
+/// part and destroys them by recursion. A hundred thousand parts, a file of 200 kB, would exhaust
+/// the stack. (The library itself limits nested arrays and inline tables.)
 /// @param name of the file, for the message. @throws InputError
 void check_key_depth(std::string_view text, const std::string& name);
 
@@ -19,11 +19,12 @@ struct OpenString {
 };
 
 /// The first string of a text that is not closed: on its line, or anywhere when it has three
-/// quotes. Of text that TOML has refused.
+/// quotes. For texts that the TOML parser has rejected.
 std::optional<OpenString> find_open_string(std::string_view text);
 
-/// Refuses what is no text at all, such as a light field in the place of its scene: what a parser
-/// of TOML says of it helps nobody. @throws InputError
+/// Rejects a file that is not text, such as a light field in place of its scene: the TOML parser's
+/// message would not help.
+/// @throws InputError
 void check_is_text(std::string_view text, const std::string& name);
 
 }  // namespace plenoflame

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <string_view>
 
-/// Rows of the schema for "[[cameras]]": whatever a table says of "camera" holds for each of them.
-/// The rows are the same but for their paths, which are made when the program is compiled.
+/// Rows of the schema for "[[cameras]]": the rows of "camera" hold for each of them. Only their
+/// paths differ, which are made at compile time.
 namespace plenoflame::schema {
 
 inline constexpr std::string_view kOneCamera = "camera";

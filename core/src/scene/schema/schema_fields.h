@@ -7,8 +7,8 @@
 
 #include "plenoflame/scene/scene_schema.h"
 
-/// Parts that rows of the schema table are made of: words of the choices, and functions that lead
-/// from a chain of members to a field of a scene.
+/// Parts of the rows of the schema table: words of the choices, and functions from a chain of
+/// members to a field of a scene.
 namespace plenoflame::schema {
 
 // ---- words of the choices, in the order of the enumerators -------------------------------------

@@ -3,8 +3,8 @@
 
 #include "plenoflame/scene/scene_schema.h"
 
-/// Parts that the rows of the schema table have in common: ranges of values, and the chains of
-/// members that lead to each table of a scene.
+/// Parts that the rows of the schema table share: ranges of values, and the chains of members that
+/// lead to each table of a scene.
 namespace plenoflame::schema {
 
 inline constexpr double kInf = std::numeric_limits<double>::infinity();

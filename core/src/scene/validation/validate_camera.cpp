@@ -29,7 +29,7 @@ namespace {
 constexpr double kMostPixels = 1e9;
 constexpr double kMostLenses = 1e8;
 constexpr double kMostOverlap = 100;
-/// Faces may touch; this much of the length at hand is rounding.
+/// Faces may touch; this share of their length is rounding.
 constexpr double kTouch = 1e-12;
 
 void check_orientation(const CameraSpec& camera, Issues& issues) {
@@ -46,9 +46,9 @@ void check_orientation(const CameraSpec& camera, Issues& issues) {
                  "up in the picture");
 }
 
-/// Two surfaces that follow each other must not cross within the clear diameter of both. Between
-/// spheres the gap changes monotonically with the height, so its ends are enough; other surfaces
-/// are looked at between them too.
+/// Two consecutive surfaces must not cross within the clear diameter of both. Between spheres the
+/// gap changes monotonically with the height, so its ends are enough; other surfaces are sampled
+/// between them too.
 void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& issues) {
   const SurfaceSpec& a = surfaces[i];
   const SurfaceSpec& b = surfaces[i + 1];
@@ -71,8 +71,8 @@ void check_gap(const std::vector<SurfaceSpec>& surfaces, std::size_t i, Issues& 
                            short_length(a.thickness - gap)));
 }
 
-/// A thin lens of two spheres that hold its diameter, of the highest index that a file can give,
-/// has this focal length over the diameter: R / (2 (n - 1)) with 2 R = D and n = 5.
+/// Smallest focal length over diameter: R / (2 (n - 1)) with 2 R = D and n = 5. It belongs to a
+/// thin lens of two spheres of that diameter and of the highest index that a file can give.
 constexpr double kShortest = 1.0 / 16;
 
 /// An ideal lens that no glass could be.
@@ -333,7 +333,7 @@ void check_focus(const CameraSpec& camera, bool lens_is_sound, Issues& issues) {
 }
 
 /// Number of microlenses, in a row, that light one pixel: the width of a micro-image over the
-/// pitch. What a pixel costs grows with its square.
+/// pitch. The cost of a pixel grows with its square.
 void check_overlap(const Camera& camera, Issues& issues) {
   if (!camera.has_array()) return;
   const FirstOrder& lens = camera.lens_first_order();

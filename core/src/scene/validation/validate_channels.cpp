@@ -1,4 +1,4 @@
-// Channels, spectra of the flames, and what the sensor makes of light.
+// Channels, spectra of the flames, and the sensor's response.
 #include <fmt/format.h>
 
 #include <algorithm>

@@ -16,8 +16,8 @@ constexpr double kLensesTouch = 1e-12;
 constexpr int kNeighbours = 2;  ///< lattice steps to the farthest lens that could be met
 
 /// Half the gap between the apertures of two lenses that are `way` apart. Two equal convex figures
-/// with a centre of symmetry are apart when, along the normal of one of their sides, half the way
-/// is more than half their width.
+/// with a centre of symmetry are separate under one condition. Along the normal of one of their
+/// sides, half the way exceeds half their width.
 double half_gap(const MicrolensAperture& aperture, Vec2 way) {
   if (aperture.pairs() == 0) return 0.5 * length(way) - aperture.radius();
   double gap = -kInfinity;

@@ -63,8 +63,8 @@ bool check_shape(const WindowSpec& window, const std::string& path, const std::s
   return issues.errors() == before;
 }
 
-/// The main lens as the cylinder that holds it, and as much of the camera behind it as there is at
-/// least, in the world: no image of what lies in front is nearer than a focal length.
+/// The main lens as its enclosing cylinder, in the world, with the least length of the camera
+/// behind it. No image of objects in front is nearer than a focal length.
 struct Barrel {
   explicit Barrel(const CameraSpec& camera) : vertex(camera.position) {
     axis = normalize(camera.look_direction);

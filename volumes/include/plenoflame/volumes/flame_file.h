@@ -38,25 +38,28 @@ struct LineGrid {
 };
 std::span<const LineGrid> line_grids();
 
-/// Reads the grids of a flame of kind vdb: value = scale * stored + offset, in the unit that the
-/// scene or else the file's metadata states (else K and 1/m), converted to K and 1/m.
-/// Temperature: K, degC. Absorption: 1/m, 1/cm, 1/mm. Emission lines: emission_unit(); they have no
-/// unit unless one is stated. A flame with emission lines may have no grid of absorption, unless
-/// the scene names or maps one, or a temperature, or asks for scattering: then it absorbs nothing,
-/// and needs no temperature either. The transforms are the file's; the flame's scale, position and
-/// rotation are not applied.
+/// Reads the grids of a flame of kind vdb: value = scale * stored + offset, converted to K and 1/m.
+/// The unit comes from the scene, else from the file's metadata, else it is K or 1/m. Temperature:
+/// K, degC. Absorption: 1/m, 1/cm, 1/mm. Emission lines need a unit of emission_unit(). The
+/// transforms are the file's; the flame's scale, position and rotation are not applied.
+///
+/// A flame with emission lines needs no grid of absorption, unless the scene names or maps one, or
+/// a temperature, or sets scattering. Without absorption it needs no temperature either.
 /// @param scene_folder relative paths start here; empty: the current folder
-/// @param execution gets a warning when the largest temperature is below 200 K, when there is
-/// nothing to be seen, and when a flame of emission lines alone leaves other grids unused
-/// @throws FileError (see read_voxel_field). @throws InputError: a grid is missing (lists those
-/// present), an unknown unit, NaN or infinite or negative values (names grid and voxel),
-/// absorption or emission with a background other than 0, emission without a unit.
+/// @param execution gets a warning when the largest temperature is below 200 K or nothing is
+///        visible. Also when a flame of emission lines alone leaves other grids unused
+/// @throws FileError (see read_voxel_field)
+/// @throws InputError: a grid is missing (lists those present), an unknown unit, values that are
+///         NaN, infinite or negative (names grid and voxel)
+/// @throws InputError: absorption or emission with a background other than 0, emission without a
+///         unit
 FlameFields read_flame(const FlameSpec& spec, const std::string& scene_folder,
                        const Execution& execution);
 
-/// The grids of a file as a script wants them: temperature and absorption as read_flame() has them,
-/// by these names; of a file with neither of them (a reconstruction's emission) all that can be
-/// read, by their own names and as stored. @param path of the file @throws as read_flame
+/// The grids of a file for scripts: temperature and absorption by these names, as read_flame()
+/// returns them. From a file with neither of them (a reconstruction's emission) all readable grids,
+/// by their own names and as stored.
+/// @param path of the file @throws as read_flame
 std::vector<VoxelField> read_flame_grids(const std::string& path, const Execution& execution);
 
 /// Writes all grids of a flame with their units, and who wrote them.

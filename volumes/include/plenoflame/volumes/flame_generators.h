@@ -10,8 +10,8 @@
 #include "plenoflame/volumes/flame_file.h"
 
 /// The one table of flames that can be generated. The command, the desktop application, VTK and
-/// Python follow it, so that a generator or a parameter is added here only. What the parameters
-/// mean in formulas is said in flame_library.h.
+/// Python follow it: a new generator or parameter needs an entry here only. The file
+/// flame_library.h has the formulas of the parameters.
 namespace plenoflame {
 
 enum class FlameParameterType {

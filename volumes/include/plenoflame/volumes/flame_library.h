@@ -10,8 +10,8 @@
 /// Generated flames as pairs of grids. Flame frame: z up, the axis of a flame is the z axis, its
 /// foot is at z = 0. A sample stands at the origin.
 ///
-/// Absorption is 0 outside of the flame. Temperature goes on beyond it for at least two voxels, so
-/// that interpolation at the flame's border mixes in no ambient temperature; further out it is
+/// Absorption is 0 outside of the flame. Temperature extends beyond it by at least two voxels, so
+/// that interpolation at the flame's border mixes in no ambient temperature. Farther out it is
 /// kAmbientTemperature. The same options give the same grids for any number of threads.
 namespace plenoflame {
 
@@ -20,22 +20,23 @@ inline constexpr double kAmbientTemperature = 293.15;  ///< [K] background of te
 /// E(m) of soot is published from 0.2 to 0.4; above this it is another substance or a slip.
 inline constexpr double kGreatestSootFunction = 1;
 
-/// Absorption coefficient of soot in the Rayleigh limit, kappa = 6 pi E(m) f_v / lambda (Bohren and
-/// Huffman, Absorption and Scattering of Light by Small Particles, ch. 5).
+/// Absorption coefficient of soot in the Rayleigh limit, kappa = 6 pi E(m) f_v / lambda. Source:
+/// Bohren and Huffman, Absorption and Scattering of Light by Small Particles, ch. 5.
 /// @param volume_fraction f_v  @param absorption_function E(m) = -Im((m^2 - 1)/(m^2 + 2))
 /// @param wavelength [m]  @return [1/m]
 double soot_absorption(double volume_fraction, double absorption_function, double wavelength);
 
-/// Homogeneous ellipsoids on a grid; where several overlap, the first listed wins.
+/// Homogeneous ellipsoids on a grid. If several overlap, the first one listed counts.
 ///
-/// Every sample gets the mean absorption around it, weighted with the tent function that trilinear
-/// interpolation will spread it by (one voxel to each side), from exact shares along 64 lines. The
-/// integral over space is then right, and so are chord integrals but for smoothing of second order
-/// and little aliasing: at 0.25 mm and the default layers 0.1 % RMS, where the values of the
-/// voxels' centres leave 0.9 %. The temperature of a sample that several layers share is that at
-/// which the mean absorption emits the mean emission, sum f_i kappa_i T_i^4 = (sum f_i kappa_i)
-/// T^4. What remains is that the product of two interpolated fields is not the interpolated
-/// product: an error of emission of first order, 0.15 % RMS in total and 0.4 % at 650 nm (0.25 mm).
+/// Every sample gets the mean absorption around it, from exact shares along 64 lines. The mean has
+/// the weights of trilinear interpolation, a tent function of one voxel to each side. The integral
+/// over space is then right. Chord integrals are right up to smoothing of second order and little
+/// aliasing. At 0.25 mm and the default layers their error is 0.1 % RMS; with the values at the
+/// voxels' centres it would be 0.9 %. If several layers share a
+/// sample, its mean absorption emits the mean emission at its temperature T: sum f_i kappa_i T_i^4
+/// = (sum f_i kappa_i) T^4. One error remains, because the product of two interpolated fields is
+/// not the interpolated product. This error of emission is of first order, 0.15 % RMS in total and
+/// 0.4 % at 650 nm (0.25 mm).
 struct LayeredFlameOptions {
   std::vector<EllipsoidSpec> layers;  ///< empty: default_layers()
   double voxel_size = 0.25e-3;        ///< [m]
@@ -50,19 +51,24 @@ std::vector<EllipsoidSpec> read_layers(const std::string& path);
 FlameFields make_layered_flame(const LayeredFlameOptions& options, const Execution& execution);
 
 /// Laminar sooting flame: an annulus of soot around a lightly sooting core, closing at the tip,
-/// inside of a hot rim. With u = z / height in (0, 1):
-///   r0(u) = (1 - u) (base_radius + bulge u)                              radius of the annulus
+/// inside of a hot rim. With u = z / height in (0, 1) its formulas are:
+///
+///   r0(u) = (1 - u) (base_radius + bulge u),  the radius of the annulus
+///
 ///   f0(u) = peak (u/m)^p ((1-u)/(1-m))^q, p = q m/(1-m), m = peak_position
 ///   f_v   = f0(u) [exp(-((r - r0)/annulus_width)^2) + core_share u^2 exp(-(r/core_width)^2)]
 ///   T     = T_i + (T_rim - T_i) exp(-((r - r0 - rim_distance)/w)^2)
-/// with T_i = core temperature (linear in u), w = inner_width inside of the rim; T_i = ambient,
-/// w = outer_width outside of it. Soot below 1e-6 of the largest is left out.
 ///
-/// Emission lines, if any, are where the flame is blue: in the hot rim, near the base,
+/// T_i is the core temperature (linear in u) and w is inner_width inside of the rim. Outside of it
+/// T_i is ambient and w is outer_width. Soot below 1e-6 of the largest is left out.
+///
+/// Emission lines, if any, are where the flame is blue: in the hot rim, near the base.
+///
 ///   emission = peak exp(-((r - r0 - rim_distance)/line_width)^2 - (u/line_height)^2)
 ///              (1 - exp(-10 u/line_height)).
-/// Their place is that of a candle's blue base as everybody can see it; their strength is not that
-/// of any measurement.
+///
+/// Their place is that of a candle's visible blue base. Their strength does not come from a
+/// measurement.
 struct SootFlameOptions {
   struct Line {
     std::string name;  ///< of its grid
@@ -92,8 +98,8 @@ struct SootFlameOptions {
 };
 /// A candle: 32 mm high, soot to 3 ppm, 1500 to 1850 K.
 SootFlameOptions candle_flame();
-/// A laminar co-flow ethylene diffusion flame of the size of Gulder's burner (fuel tube 10.9 mm):
-/// 65 mm high, soot to 8 ppm in the annulus, 1450 to 2000 K.
+/// A laminar co-flow ethylene diffusion flame of the size of Gulder's burner (fuel tube 10.9 mm).
+/// It is 65 mm high, with soot to 8 ppm in the annulus, and 1450 to 2000 K.
 SootFlameOptions diffusion_flame();
 FlameFields make_soot_flame(const SootFlameOptions& options, const Execution& execution);
 
@@ -109,11 +115,11 @@ struct CylinderFlameOptions {
 };
 FlameFields make_cylinder_flame(const CylinderFlameOptions& options, const Execution& execution);
 
-/// A turbulent plume with thin wrinkled sheets on many scales. A mixture fraction xi, Gaussian
-/// across a cone and falling with height, is displaced and modulated by gradient noise in octaves
-/// from the plume's width down to smallest_scale: displacements proportional to the scale l (an
-/// eddy's turnover), fluctuations to l^(1/3) (Obukhov 1949, Corrsin 1951). Temperature peaks at
-/// the stoichiometric xi, soot on its rich side, as in flamelets. Not a solution of any flow.
+/// A turbulent plume with thin wrinkled sheets on many scales. A mixture fraction xi is Gaussian
+/// across a cone and falls with height. It is displaced and modulated by gradient noise in octaves
+/// from the plume's width down to smallest_scale. Displacements are proportional to the scale l (an
+/// eddy's turnover), fluctuations to l^(1/3) (Obukhov 1949, Corrsin 1951). Temperature peaks at the
+/// stoichiometric xi, soot on its rich side, as in flamelets. Not a solution of any flow.
 struct TurbulentFlameOptions {
   double voxel_size = 1e-3;        ///< [m]
   double height = 250e-3;          ///< [m]

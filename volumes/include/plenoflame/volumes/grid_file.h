@@ -37,9 +37,9 @@ struct GridInfo {
 };
 
 /// The grids of a .vdb file. Statistics of grids that are not float or double come from the file's
-/// own metadata, where it has any. @throws FileError naming the file: cannot be opened, is not a
-/// .vdb, is truncated or damaged.
-/// @param statistics false leaves out what needs the voxels: background to world_bounds
+/// own metadata, if present.
+/// @throws FileError naming the file: cannot be opened, is not a .vdb, is truncated or damaged
+/// @param statistics false leaves out all that needs the voxels: background to world_bounds
 std::vector<GridInfo> list_grids(const std::string& path, bool statistics = true);
 
 /// Largest number of 8^3 bricks that one grid may become (4 GiB of values).
@@ -47,13 +47,13 @@ inline constexpr std::size_t kMaxBricks = std::size_t{1} << 21;
 
 /// Reads a float or double grid (stored with 16, 32 or 64 bits; kept as float).
 ///
-/// A voxel's value is what counts, not whether it is active: active tiles become bricks, and so do
-/// inactive voxels and tiles whose value is not the background's. Bricks that hold nothing but the
+/// Voxels count by their value, whether active or not. Active tiles become bricks; so do inactive
+/// voxels and tiles whose value differs from the background's. Bricks with nothing but the
 /// background are left out. Every affine transform is kept as it is, rotation and shear included.
 /// @param name of the grid, or "name[1]" for the second of several with the same name
 /// @throws FileError as list_grids.
-/// @throws InputError, naming file and grid: there is no such grid (lists those present), it is of
-///         another type, has a frustum or singular transform, or would need more than kMaxBricks.
+/// @throws InputError, naming file and grid: no such grid (lists those present), another type, a
+///         frustum or singular transform, more than kMaxBricks
 VoxelField read_voxel_field(const std::string& path, const std::string& name);
 
 }  // namespace plenoflame

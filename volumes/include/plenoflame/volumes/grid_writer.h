@@ -31,7 +31,7 @@ struct GridOutput {
 };
 
 /// Writes float grids of class "fog volume" to a .vdb file under a temporary name that is renamed
-/// at the end: an existing file is replaced as a whole or left alone. Voxels that have the
+/// at the end. An existing file is replaced as a whole or left alone. Voxels that have the
 /// background's value are inactive, all others active.
 /// @return size of the file [byte]
 /// @throws FileError naming the file and the cause (folder missing, not writable, disk full).

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// Makes the medium of a flame of any kind, in closed form or from an OpenVDB file: the
+/// Makes the medium of a flame of any kind, in closed form or from an OpenVDB file. It is the
 /// MediumLoader of every program that is built with volumes.
 /// @throws InputError, FileError
 std::shared_ptr<const Medium> load_medium(const FlameSpec& flame, const std::string& scene_folder,

@@ -44,9 +44,9 @@ class SceneSession {
   /// The scene with the chosen camera alone. @throws InputError: several, and none is chosen
   Scene scene_of_camera() const;
 
-  /// Numbers of the first and the last frame of flames that change with time, as the chosen camera
-  /// takes them (of several, where none is chosen, the first); the last is below the first where
-  /// there are none. @throws as SceneTimeline
+  /// Numbers of the first and the last frame of flames that change with time. They are the frames
+  /// of the chosen camera, or of the first one if none is chosen. Without such flames the last
+  /// number is below the first. @throws as SceneTimeline
   std::pair<int, int> frames() const;
   /// Makes it the scene of one moment: at a time [s], or at the begin of a frame's exposure.
   /// @throws as SceneTimeline; the scene is unchanged then
