@@ -25,8 +25,7 @@ WINDOW = (6576 - 3188, 1010, 120, 120)                      # of the raw picture
 
 def white(folder):
     """(the white picture's numbers, the rows of the table of micro-images), by the commands of docs/real-cameras.md."""
-    page = (ROOT / "docs/real-cameras.md").read_text()
-    nominal = re.search(r"cat > nominal.toml <<'EOF'\n(.*?)EOF", page, re.DOTALL)[1]
+    nominal = (ROOT / "examples/lab/nominal.toml").read_text()
     (folder / "nominal.toml").write_text(nominal)
     real = 'pitch = "127.4 um"\nrotation = "0.8 deg"\noffset = ["20 um", "0 um"]'
     (folder / "real.toml").write_text(re.sub("^pitch.*", real, nominal, flags=re.MULTILINE))

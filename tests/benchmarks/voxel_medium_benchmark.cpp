@@ -23,7 +23,7 @@ struct State {
   double temperature, absorption;
 };
 
-// physics.md 1c: three ellipsoids, the innermost wins.
+// docs/theory/emission.md: three ellipsoids, the innermost wins.
 State layered(Vec3 p) {
   struct Layer {
     double a, b, z, temperature, absorption;

@@ -1,4 +1,4 @@
-// Times of everything that somebody waits for; run by hand, see docs/benchmarks.md. Nothing here
+// Times of everything that somebody waits for; run by hand, see docs/developer/testing.md. Nothing here
 // passes or fails.
 #include <malloc.h>
 #include <sys/resource.h>

@@ -38,7 +38,7 @@ TEST(FirstOrder, Microlenses) {
   array.thickness = 5e-5;
   array.diameter = 1e-4;
   const double index[] = {1.50, 1.59, 1.69};
-  // physics.md, section 0, and the closed form.
+  // docs/theory/optics.md, first-order optics, and the closed form.
   const double focal_mm[] = {0.23365, 0.19888, 0.17079}, back_mm[] = {0.21635, 0.18248, 0.15530};
   for (int i = 0; i < 3; ++i) {
     const FirstOrder lens = first_order(array, {"", 2.25e-4, 2.25e-4, index[i], 0});
