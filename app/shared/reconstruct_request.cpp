@@ -108,6 +108,8 @@ void check_sought(const ReconstructRequest& request) {
     throw UsageError("--solver " + request.solver +
                      " is for --find emission: temperatures are found by Gauss and Newton's "
                      "method");
+  if (request.absorption_error > 0 && !known)
+    throw UsageError("--absorption-error is for a known absorption: give --absorption");
   const std::size_t channels = request.channels().size();
   if (sought != Sought::both && channels > 1)
     throw UsageError("--channel: one at a time, unless --find both");
@@ -185,6 +187,8 @@ void set_option(ReconstructRequest& request, const std::string& name, const std:
     request.strength = number_option("--strength", text, 0, kMostStrength);
   } else if (name == "noise") {
     request.noise = number_option("--noise", text, 0, 1);
+  } else if (name == "absorption-error") {
+    request.absorption_error = number_option("--absorption-error", text, 0, 1);
   } else if (name == "relaxation") {
     request.relaxation = number_option("--relaxation", text, 0, kMostRelaxation);
   } else if (name == "spread") {
@@ -214,6 +218,7 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   result.support = !request.all;
   result.draws = whole_number_option("--draws", request.draws, 0, 100000);
   result.test_model = result.draws > 0;
+  result.absorption_error = request.absorption_error;
   result.probes = whole_number_option("--probes", request.probes, 0, 100000);
   result.memory = 1e6 * whole_number_option("--memory", request.memory, 0, 100000000);
   result.form = forms().at(request.form);
@@ -222,6 +227,9 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   check_sought(request);
   refuse(!request.refined().empty() && !is_penalised(result.solver), "--refine",
          "tests the model against the penalty, which --solver " + request.solver + " has not");
+  refuse(result.absorption_error > 0 && !(result.draws > 0 && is_penalised(result.solver)),
+         "--absorption-error",
+         "is a part of the deviations, which need --draws and a solver with a penalty");
   refuse(request.refines_axis() && request.unknowns.kind != "rings", "--refine axis",
          "is for rings, not for " + request.unknowns.kind);
   refuse(wants_matrix(result.solver) && !(result.memory > 0), "--memory 0",

@@ -32,7 +32,7 @@ struct ReconstructRequest {
   std::string start, resume, prior, support;  ///< files
   std::string rays = "64", iterations = "300", draws = "30", probes = "16", bin = "1", cells = "3",
               seed, subsets, memory = "2000", form = "auto";
-  double strength = -1, noise = 0, relaxation = -1;
+  double strength = -1, noise = 0, relaxation = -1, absorption_error = 0;
   bool all = false, truth = false;
   /// In place of files.
   std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;

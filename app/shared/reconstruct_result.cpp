@@ -187,6 +187,11 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
                reconstruction.strength);
   report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
              reconstruction.chi_squared);
+  if (reconstruction.absorption_error > 0)
+    report.add("absorption",
+               fmt::format("known to {:.3g} %, which the deviations hold",
+                           100 * reconstruction.absorption_error),
+               "absorption_error", reconstruction.absorption_error);
   if (reconstruction.noise_factor > 1)
     report.add_text("model", fmt::format("the pictures differ from it by {:.3g} times their noise; "
                                          "the deviations hold that",

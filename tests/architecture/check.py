@@ -8,6 +8,7 @@ Prints each breach as FILE:LINE: MESSAGE and ends with status 1 if there is one.
 """
 
 import argparse
+import graphlib
 import pathlib
 import re
 import subprocess
@@ -54,6 +55,28 @@ def check_includes(root):
             message = includes.judge_build(path, line)
             if message:
                 yield f"{path}:{number}: {message}"
+
+
+def check_circles(root):
+    """Folders of core/src include each other in one direction."""
+    source = root / "core" / "src"
+    included, first = {}, {}
+    for path in files(root, {".h", ".cpp"}):
+        if not path.is_relative_to("core/src"):
+            continue
+        folder = path.parent.relative_to("core/src")
+        for number, line in enumerate(lines(root, path), 1):
+            match = includes.INCLUDE.match(line)
+            if match and match["quote"] == '"' and (source / match["name"]).is_file():
+                other = pathlib.PurePath(match["name"]).parent
+                if other != folder:
+                    included.setdefault(folder, set()).add(other)
+                    first.setdefault((folder, other), f"{path}:{number}")
+    try:
+        graphlib.TopologicalSorter(included).prepare()
+    except graphlib.CycleError as error:
+        circle = error.args[1]
+        yield f"{first[circle[1], circle[0]]}: folders include each other: {' < '.join(map(str, circle))}"
 
 
 def check_ascii(root):
@@ -178,6 +201,7 @@ def check_shell(root):
 
 SOURCE_RULES = {
     "includes": check_includes,
+    "circles": check_circles,
     "ascii": check_ascii,
     "length": check_length,
     "paths": check_paths,

@@ -64,6 +64,16 @@ class SourceRules(unittest.TestCase):
         ]:
             self.assert_good("includes", path, f'#include "{name}"\n')
 
+    def test_circles(self):
+        other = self.root / "core/src/render/tracer/t.cpp"
+        other.parent.mkdir(parents=True)
+        (self.root / "core/src/render/run").mkdir()
+        (self.root / "core/src/render/run/r.h").touch()
+        other.with_suffix(".h").touch()
+        other.write_text('#include "render/run/r.h"\n')
+        self.assert_good("circles", "core/src/render/run/r.cpp", '#include "render/run/r.h"\n')
+        self.assertEqual(len(self.breaches("circles", "core/src/render/run/r.cpp", '#include "render/tracer/t.h"\n')), 1)
+
     def test_libraries(self):
         for path, name in [
             (HEADER.format("image/exr"), "ImfOutputFile.h"), (HEADER.format("base/x"), "unistd.h"),

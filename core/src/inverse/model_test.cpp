@@ -8,6 +8,7 @@
 #include <map>
 #include <utility>
 
+#include "inverse/absorption_shift.h"
 #include "inverse/displaced_camera.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
@@ -198,22 +199,12 @@ std::vector<double> change_of_rows(const TestedModel& model, std::size_t view, S
   return change;
 }
 
-/// The same of all rows for an absorption that is larger everywhere, by a share.
-std::vector<double> change_by_absorption(const TestedModel& model, double share,
-                                         std::span<const double> x, const Execution& execution) {
-  EmissionProblem other = *model.emission;
-  for (double& absorption : other.absorption) absorption *= 1 + share;
-  std::vector<double> change = *make_emission_operator(other, execution) * x;
-  for (std::size_t i = 0; i < change.size(); ++i) change[i] = (change[i] - model.light[i]) / share;
-  return change;
-}
-
 }  // namespace
 
 std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
                                 const ProbeAccuracy& accuracy, const Execution& execution) {
   constexpr double kPartOfStep = 0.2;  // of the grid, that a camera is displaced by
-  constexpr double kFocus = 1e-3, kShareOfAbsorption = 0.01;
+  constexpr double kFocus = 1e-3;
   const Execution quiet = without_reports(execution);
   ScoreTests tests(model, found, accuracy, quiet);
   const Unknowns& unknowns = *model.emission->unknowns;
@@ -251,7 +242,8 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
   }
   if (model.absorption && model.emission->model == RowModel::source)
     tests.add(SuspectKind::absorption, 0,
-              change_by_absorption(model, kShareOfAbsorption, found.values, quiet));
+              change_by_absorption(fluxes_by_absorption(*model.emission, found.values, quiet),
+                                   model.light));
   return tests.take();
 }
 

@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "inverse/absorption_shift.h"
 #include "inverse/expected_misfit.h"
 #include "inverse/model_test.h"
 #include "inverse/operators/remembered_product.h"
@@ -259,6 +260,20 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
   for (const double square : squares)
     result.deviation.push_back(factor * std::sqrt(square / settings.draws));
+}
+
+void add_absorption_shift(const ScaledProblem& problem, const EmissionProblem& rows,
+                          std::span<const double> light, double error, const Execution& execution,
+                          Reconstruction& result) {
+  const std::vector<double> change =
+      change_by_absorption(fluxes_by_absorption(rows, result.values, execution), light);
+  result.absorption_shift = values_at_places(
+      *rows.unknowns,
+      problem.samples(shift_by_absorption(
+          problem.problem(change), problem.regularisation(result.strength), change, execution)),
+      result.solved);
+  for (double& value : result.absorption_shift) value *= error;
+  result.absorption_error = error;
 }
 
 PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const ScaledProblem& problem,
@@ -527,6 +542,9 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       if (weighted->has_penalty()) {
         add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
+        if (settings.absorption_error > 0 && model == RowModel::source)
+          add_absorption_shift(*weighted, problem, explained, settings.absorption_error,
+                               watch.inner(), result);
         if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];

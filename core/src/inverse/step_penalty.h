@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "inverse/operators/scaled_problem.h"
 #include "plenoflame/inverse/linear_operator.h"
 
 namespace plenoflame {
@@ -30,6 +31,20 @@ class StepPenalty final : public LinearOperator {
  private:
   const LinearOperator& penalty_;
   const std::vector<char>& free_;
+};
+
+/// A linearised problem in steps of the variables that are free to move.
+struct FreeSteps {
+  FreeSteps(const LinearOperator& derivative, const LinearOperator& all, std::vector<char> may_move)
+      : free(std::move(may_move)),
+        moving(derivative, std::vector<double>(free.begin(), free.end())),
+        penalty(all, free) {}
+  FreeSteps(const FreeSteps&) = delete;
+  FreeSteps& operator=(const FreeSteps&) = delete;
+
+  std::vector<char> free;
+  ScaledColumns moving;  ///< J
+  StepPenalty penalty;
 };
 
 }  // namespace plenoflame

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "inverse/absorption_shift.h"
 #include "inverse/expected_misfit.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/vector_sums.h"
@@ -118,20 +119,6 @@ class BlockPenalty final : public LinearOperator {
   };
   std::vector<Block> blocks_;
   std::size_t rows_ = 0, columns_ = 0;
-};
-
-/// A linearised problem in steps of the variables that are free to move.
-struct FreeSteps {
-  FreeSteps(const LinearOperator& derivative, const LinearOperator& all, std::vector<char> may_move)
-      : free(std::move(may_move)),
-        moving(derivative, std::vector<double>(free.begin(), free.end())),
-        penalty(all, free) {}
-  FreeSteps(const FreeSteps&) = delete;
-  FreeSteps& operator=(const FreeSteps&) = delete;
-
-  std::vector<char> free;
-  ScaledColumns moving;  ///< J
-  StepPenalty penalty;
 };
 
 class ThermalSolver {
@@ -490,13 +477,36 @@ class ThermalSolver {
         figures.complete = false;  // the deviations of the linearised problem are there
       }
     }
+    const std::vector<double> shift = shift_of(problem, penalty, explained);
+    figures.absorption_error = thick() ? 0 : settings_.linear.absorption_error;
     for (std::size_t j = 0; j < n; ++j) {
-      estimate.temperature_deviation.push_back(wider * std::sqrt(temperature[j]));
-      estimate.emission_deviation.push_back(wider * estimate.emission[j] * std::sqrt(emission[j]));
+      const double t = estimate.temperature[j], own = wider * std::sqrt(temperature[j]);
+      // An absorption that is larger makes temperatures lower, and the emission is their product.
+      const double brighter = shift[j] * source_slope(source, t) / std::max(source(t), 1e-300) -
+                              settings_.linear.absorption_error;
+      estimate.temperature_deviation.push_back(std::hypot(own, shift[j]));
+      estimate.emission_deviation.push_back(estimate.emission[j] *
+                                            std::hypot(wider * std::sqrt(emission[j]), brighter));
       if (thick())
         estimate.absorption_deviation.push_back(wider * estimate.absorption[j] *
                                                 std::sqrt(absorption[j]));
     }
+  }
+
+  /// [K] Change of the temperatures for a known absorption that is larger by its deviation.
+  std::vector<double> shift_of(const LinearProblem& linear, const Regularisation& penalty,
+                               std::span<const double> explained) const {
+    const double error = settings_.linear.absorption_error;
+    if (thick() || !(error > 0)) return std::vector<double>(unknowns(), 0.0);
+    const auto fluxes = [this](double factor) {
+      ThermalModel other = model_;
+      for (double& absorption : other.absorption) absorption *= factor;
+      return thermal_fluxes(other, physical(x_), inner_);
+    };
+    std::vector<double> shift =
+        shift_by_absorption(linear, penalty, change_by_absorption(fluxes, explained), inner_);
+    for (double& value : shift) value *= error * unit_;
+    return shift;
   }
 
   /// The posterior beside that of the linearised problem, where the flame shines.

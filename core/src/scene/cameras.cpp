@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "plenoflame/base/error.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "plenoflame/base/units.h"
-#include "scene/channel_kind_checks.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
+#include "scene/validation/channel_kind_checks.h"
 
 namespace plenoflame {
 namespace {

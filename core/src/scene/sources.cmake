@@ -8,7 +8,7 @@ list(APPEND core_sources
   src/scene/files/lens_import.cpp
   src/scene/files/lens_file.cpp
   src/scene/files/zmx_import.cpp
-  src/scene/files/nearest.cpp
+  src/scene/schema/nearest.cpp
   src/scene/files/parse_toml.cpp
   src/scene/files/position_map.cpp
   src/scene/files/presets.cpp

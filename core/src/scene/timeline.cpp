@@ -11,9 +11,9 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "scene/files/file_series.h"
-#include "scene/files/nearest.h"
 #include "scene/files/time_table.h"
 #include "scene/scene_folder.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

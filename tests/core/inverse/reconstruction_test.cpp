@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 
 #include "core/inverse/glow_scene.h"
 #include "plenoflame/base/error.h"
@@ -494,9 +495,7 @@ TEST(Reconstruction, LightBehindIsWeakenedByWhatAbsorbs) {
   const std::vector<double> clear = light_behind(views, rays, *rig.unknowns, {}, how, {}),
                             behind = light_behind(views, rays, *rig.unknowns, absorption, how, {});
   const auto sum = [](const std::vector<double>& v) {
-    double total = 0;
-    for (const double value : v) total += value;
-    return total;
+    return std::accumulate(v.begin(), v.end(), 0.0);
   };
   EXPECT_GT(sum(own), 0.1 * sum(clear));
   EXPECT_TRUE(relative(sum(own) + sum(behind), sum(clear), 0.01));

@@ -11,7 +11,7 @@
 
 #include "core/inverse/random_vectors.h"
 #include "core/media_voxel/voxel_fixture.h"
-#include "inverse/source_table.h"
+#include "inverse/operators/source_table.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/render/render.h"

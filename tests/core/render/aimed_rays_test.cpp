@@ -11,8 +11,8 @@
 #include <gtest/gtest.h>
 
 #include "plenoflame/render/render.h"
-#include "render/sampling/backward_tile.h"
 #include "render/sampling/microlens_frame.h"
+#include "render/tracer/backward_tile.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/isas.h"

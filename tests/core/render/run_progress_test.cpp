@@ -1,5 +1,5 @@
 // The share of a run that is reported over its batches and rounds: by hand, since it is arithmetic.
-#include "render/estimators/run_progress.h"
+#include "render/run/run_progress.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "render/sampling/sample_plan.h"
+#include "render/run/sample_plan.h"
 
 #include <cmath>
 

@@ -9,7 +9,7 @@
 #include "plenoflame/base/constants.h"
 #include "plenoflame/optics/window_set.h"
 #include "plenoflame/scene/compile.h"
-#include "render/medium_behind_windows.h"
+#include "render/transport/medium_behind_windows.h"
 #include "support/approx.h"
 #include "support/isas.h"
 #include "support/small_scene.h"

@@ -34,6 +34,13 @@ void add_problem_options(CLI::App& command, ReconstructArguments& arguments) {
                   "without it, the pictures' first ones")
       ->option_text("NAME");
   command
+      .add_option(
+          "--absorption-error", arguments.absorption_error,
+          "Relative standard deviation of --absorption, alike everywhere: 0.1 for 10 %; the "
+          "deviations of the flame hold it (0)")
+      ->check(number_between(0.0, 1.0))
+      ->option_text("SHARE");
+  command
       .add_option("--absorption-ratios", arguments.ratio,
                   "For both: absorption of the second channel, the third, ... over that of the "
                   "first; without it, that of soot, in inverse proportion to the wavelengths")

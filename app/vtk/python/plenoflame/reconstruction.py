@@ -219,7 +219,7 @@ def _pictures_of(images, scenes):
 
 
 def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None,
-                absorption=None, channel=None, absorption_ratios=None, noise=0, support=None, all_voxels=False,
+                absorption=None, absorption_error=0, channel=None, absorption_ratios=None, noise=0, support=None, all_voxels=False,
                 solver="fista", smoothing=None, strength=None, iterations=300, subsets=None,
                 relaxation=None, prior=None, start=None, rays=64, bin=1, cells=None, draws=30, probes=16, spread=(), memory=2000,
                 form="auto", refine=None, seed=None, truth=False, threads=0, progress=None):
@@ -234,8 +234,9 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     find: "emission", "temperature" (with known absorption, on the renderer's formulas), "both" (of two channels)
     grid: numbers of unknowns; center, size, axis: in metres, or texts with units
     absorption: None, "scene", or a value [1/m]
+    absorption_error: relative standard deviation of a known absorption, alike everywhere; the deviations hold it
     start, prior: a Reconstruction or a file
-    refine: what of the cameras the pictures may correct, of "exposure,pose,focus"; `figures["corrected"]` tells what was
+    refine: what of the cameras the pictures may correct, of "exposure,pose,focus,axis"; `figures["corrected"]` tells what was
     memory: of a stored matrix [MB]; beyond it rays are followed again in each iteration
     form: what is kept: the "matrix", its "rays", or nothing: rays are "drawn" again in each iteration; "auto": the first that
     there is memory for
@@ -250,7 +251,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     options = unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel)
     numbers = {"noise": noise, "strength": strength, "relaxation": relaxation, "iterations": iterations, "subsets": subsets,
                "rays": rays, "bin": bin, "cells": cells, "draws": draws, "probes": probes, "memory": memory, "seed": seed,
-               "smoothing": smoothing, "absorption_ratios": absorption_ratios}
+               "smoothing": smoothing, "absorption_ratios": absorption_ratios, "absorption_error": absorption_error}
     options.update({name: None if value is None else words(value) for name, value in numbers.items()})
     options.update(form=form, find=find, solver=solver, refine=refine,
                    support=None if support is None else os.fspath(support), start=_set_earlier(algorithm, "start", start),

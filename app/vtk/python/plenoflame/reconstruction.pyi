@@ -50,7 +50,7 @@ class Reconstruction(AtHome):
 def reconstruct(scene: Union[Scene, Sequence[Scene]], images: Union[_Image, Sequence[_Image], Mapping[str, _Image]], *,
                 find: str = ..., unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ...,
                 center: Optional[_Place] = ..., size: Optional[_Place] = ..., axis: Optional[_Place] = ...,
-                basis: Optional[str] = ..., absorption: Union[None, str, float] = ...,
+                basis: Optional[str] = ..., absorption: Union[None, str, float] = ..., absorption_error: float = ...,
                 channel: Union[None, str, Sequence[str]] = ...,
                 absorption_ratios: Union[None, float, Sequence[float]] = ..., noise: float = ...,
                 support: Optional[_Path] = ..., all_voxels: bool = ..., solver: str = ...,

@@ -8,7 +8,7 @@
 namespace plenoflame {
 
 /// The flame as a reconstruction finds it, one entry for each unknown; deviations are empty
-/// without those of the reconstruction.
+/// without those of the reconstruction. They include the error of a known absorption.
 struct FlameEstimate {
   std::vector<double> emission, emission_deviation;        ///< [W/(m^3 sr)]
   std::vector<double> temperature, temperature_deviation;  ///< [K]; 0: none. Empty: not known

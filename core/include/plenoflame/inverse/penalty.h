@@ -31,8 +31,8 @@ struct PenaltyGrid {
 ///         mask of another size
 std::unique_ptr<LinearOperator> make_penalty(const PenaltyGrid& grid);
 
-/// |L x|^2 of a reference field, which makes penalties comparable for any step of the grid. Let d be
-/// a tenth of the grid's longest side: the field's slope changes by 1 / d over d.
+/// |L x|^2 of a reference field, which makes penalties comparable for any step of the grid. Let d
+/// be a tenth of the grid's longest side: the field's slope changes by 1 / d over d.
 double reference_penalty(const PenaltyGrid& grid);
 
 /// Factor on |L x|^2 for a relative strength of 1: |W A u|^2 / reference. The penalty of the

@@ -65,6 +65,8 @@ struct ReconstructionSettings {
   int draws = 30;               ///< of the posterior, for the standard deviations; 0: none
   bool test_model = false;      ///< suspect.h; it takes seven solutions for each camera
   bool test_absorption = true;  ///< with them, where the absorption is known
+  /// Relative standard deviation of a known absorption, by a factor common to all places.
+  double absorption_error = 0;
   /// Quantities that were corrected: the test estimates their remaining errors.
   std::vector<Suspect> corrected;
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
@@ -110,6 +112,9 @@ struct Reconstruction {
   /// Standard deviations of at_places (uncertainty.h), including the misfit beyond noise. Empty: no
   /// draws, or the solver has no quadratic penalty.
   std::vector<double> deviation;
+  /// Change of at_places for an absorption that is larger by its deviation; empty: it has none.
+  std::vector<double> absorption_shift;
+  double absorption_error = 0;  ///< this deviation, relative
   /// Root of chi^2 over the number of degrees of freedom (rows less the unknowns that they
   /// determine); at least 1. Above 1 the pictures differ from the model by this multiple of their
   /// noise.

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "inverse/operators/followed_rows.h"
-#include "inverse/source_table.h"
+#include "inverse/operators/source_table.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/inverse/measurement.h"

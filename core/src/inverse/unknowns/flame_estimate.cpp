@@ -37,25 +37,36 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
   if (reconstruction.model == RowModel::emission) return estimate;
   const std::size_t n = reconstruction.at_places.size();
   estimate.absorption = absorption;
+  // The source function's deviation. A larger absorption makes the source function smaller, and the
+  // emission is the product of both.
+  std::vector<double> deviation = reconstruction.deviation;
   for (std::size_t j = 0; j < n; ++j) {
+    double shift = 0;
+    if (!deviation.empty() && !reconstruction.absorption_shift.empty()) {
+      shift = reconstruction.absorption_shift[j];
+      deviation[j] = std::hypot(deviation[j], shift);
+      shift -= reconstruction.absorption_error * estimate.emission[j];
+    }
     estimate.emission[j] *= absorption[j];
-    if (!estimate.emission_deviation.empty()) estimate.emission_deviation[j] *= absorption[j];
+    if (!deviation.empty())
+      estimate.emission_deviation[j] =
+          absorption[j] * std::hypot(estimate.emission_deviation[j], shift);
   }
   estimate.temperature.assign(n, 0.0);
   estimate.decided.assign(n, 0);
-  if (!reconstruction.deviation.empty()) estimate.temperature_deviation.assign(n, 0.0);
+  if (!deviation.empty()) estimate.temperature_deviation.assign(n, 0.0);
   double largest = 0;
   for (std::size_t j = 0; j < n; ++j)
     if (absorption[j] > 0) largest = std::max(largest, reconstruction.at_places[j]);
   for (std::size_t j = 0; j < n; ++j) {
     const double value = reconstruction.at_places[j];
-    const double deviation = reconstruction.deviation.empty() ? 0 : reconstruction.deviation[j];
     if (!(absorption[j] > 0) || !(value > threshold * largest)) continue;
     const double t = temperature_of(source, value);
     if (t < kAmbient) continue;
     estimate.decided[j] = 1;
     estimate.temperature[j] = t;
-    if (deviation > 0) estimate.temperature_deviation[j] = deviation / source_slope(source, t);
+    if (!deviation.empty())
+      estimate.temperature_deviation[j] = deviation[j] / source_slope(source, t);
   }
   for (std::size_t j = 0; j < n; ++j) {
     if (estimate.decided[j] || !(absorption[j] > 0)) continue;

@@ -16,7 +16,7 @@
 #include "render/compiled/bundle_file.h"
 #include "render/compiled/compiled_frame.h"
 #include "render/compiled/tile_bundles.h"
-#include "render/estimators/check_settings.h"
+#include "render/run/check_settings.h"
 
 namespace plenoflame {
 namespace {

@@ -11,9 +11,9 @@
 
 #include "base/isa_dispatch.h"
 #include "plenoflame/base/error.h"
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
+#include "render/tracer/picture_tracer.h"
 #include "render/transport/channel_sum.h"
-#include "render/transport/picture_tracer.h"
 #include "render/transport/scene_medium.h"
 
 namespace plenoflame {

@@ -6,9 +6,9 @@
 
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
-#include "render/medium_behind_windows.h"
 #include "render/sampling/point_range.h"
-#include "render/transport/radiance_table.h"
+#include "render/tracer/radiance_table.h"
+#include "render/transport/medium_behind_windows.h"
 #include "render/transport/scatter_walk.h"
 #include "render/transport/scene_medium.h"
 #include "render/transport/surface_light.h"

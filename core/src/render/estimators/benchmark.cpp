@@ -7,7 +7,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/progress_share.h"
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 
 namespace plenoflame {
 

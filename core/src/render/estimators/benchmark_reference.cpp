@@ -12,7 +12,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/input_files.h"
 #include "plenoflame/scene/scene_file.h"
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 
 namespace plenoflame {
 namespace {

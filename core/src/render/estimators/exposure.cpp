@@ -10,7 +10,7 @@
 #include "plenoflame/base/progress_share.h"
 #include "plenoflame/film/reopened.h"
 #include "plenoflame/sampling/sobol.h"
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 
 namespace plenoflame {
 namespace {

@@ -12,11 +12,11 @@
 #include "plenoflame/film/reopened.h"
 #include "plenoflame/render/compiled_camera.h"
 #include "render/estimators/backward.h"
-#include "render/estimators/check_settings.h"
-#include "render/estimators/finish_picture.h"
 #include "render/estimators/rounds.h"
-#include "render/estimators/run_control.h"
 #include "render/forward/forward.h"
+#include "render/run/check_settings.h"
+#include "render/run/finish_picture.h"
+#include "render/run/run_control.h"
 #include "render/transport/scene_medium.h"
 
 namespace plenoflame {

@@ -12,10 +12,10 @@
 #include "film/image_sums.h"
 #include "render/estimators/backward.h"
 #include "render/estimators/rank_tiles.h"
-#include "render/estimators/run_control.h"
-#include "render/estimators/run_progress.h"
+#include "render/run/run_control.h"
+#include "render/run/run_progress.h"
+#include "render/run/sample_plan.h"
 #include "render/sampling/batches.h"
-#include "render/sampling/sample_plan.h"
 
 namespace plenoflame {
 namespace {

@@ -10,11 +10,11 @@
 
 #include "film/image_sums.h"
 #include "plenoflame/sampling/philox.h"
-#include "render/estimators/run_control.h"
-#include "render/estimators/run_progress.h"
 #include "render/forward/forward_chunk.h"
 #include "render/forward/forward_pixels.h"
 #include "render/forward/forward_surfaces.h"
+#include "render/run/run_control.h"
+#include "render/run/run_progress.h"
 #include "render/transport/emission_proposal.h"
 #include "render/visibility/aperture_cone.h"
 

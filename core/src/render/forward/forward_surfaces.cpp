@@ -7,8 +7,8 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/sampling/philox.h"
-#include "render/estimators/run_control.h"
 #include "render/forward/forward_work.h"
+#include "render/run/run_control.h"
 #include "render/transport/phase_function.h"
 #include "render/transport/scene_medium.h"
 #include "render/transport/surface_light.h"

@@ -13,8 +13,8 @@
 #include "plenoflame/base/part.h"
 #include "plenoflame/math/ray_span.h"
 #include "plenoflame/scene/spectral.h"
-#include "render/transport/camera_front.h"
 #include "render/transport/window_ways.h"
+#include "render/visibility/camera_front.h"
 #include "render/visibility/scene_beams.h"
 
 namespace plenoflame {

@@ -6,9 +6,9 @@
 #include "plenoflame/media/medium.h"
 #include "plenoflame/render/ray_paths.h"
 #include "plenoflame/scene/compile.h"
-#include "render/transport/camera_front.h"
 #include "render/transport/window_aim.h"
 #include "render/transport/window_ways.h"
+#include "render/visibility/camera_front.h"
 
 namespace plenoflame {
 

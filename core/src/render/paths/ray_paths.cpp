@@ -16,10 +16,10 @@
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/channel_kinds.h"
 #include "render/paths/ray_path_tracer.h"
-#include "render/sampling/backward_tile.h"
+#include "render/tracer/backward_tile.h"
+#include "render/tracer/radiance_integrator.h"
 #include "render/transport/channel_sum.h"
 #include "render/transport/medium_segments.h"
-#include "render/transport/radiance_integrator.h"
 #include "render/transport/scene_medium.h"
 #include "render/transport/surface_light.h"
 

@@ -11,15 +11,15 @@
 
 #include "optics/kernel_types.h"
 #include "plenoflame/base/error.h"
-#include "render/estimators/check_settings.h"
-#include "render/estimators/run_control.h"
-#include "render/sampling/backward_tile.h"
-#include "render/transport/camera_front.h"
+#include "render/run/check_settings.h"
+#include "render/run/run_control.h"
+#include "render/tracer/backward_tile.h"
+#include "render/tracer/radiance_integrator.h"
+#include "render/tracer/window_integrator.h"
 #include "render/transport/channel_sum.h"
-#include "render/transport/radiance_integrator.h"
 #include "render/transport/scene_medium.h"
 #include "render/transport/surface_light.h"
-#include "render/transport/window_integrator.h"
+#include "render/visibility/camera_front.h"
 
 namespace plenoflame {
 namespace {

@@ -6,7 +6,7 @@
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/math/vector.h"
 #include "plenoflame/scene/compile.h"
-#include "render/sampling/pixel_row_kernel.h"
+#include "render/visibility/pixel_row_kernel.h"
 
 namespace plenoflame {
 

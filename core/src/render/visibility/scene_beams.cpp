@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "render/transport/window_displacement.h"
+#include "render/visibility/window_displacement.h"
 
 namespace plenoflame {
 

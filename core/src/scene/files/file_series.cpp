@@ -9,7 +9,7 @@
 #include <system_error>
 
 #include "plenoflame/base/error.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

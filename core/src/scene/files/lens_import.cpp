@@ -6,7 +6,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/lens_file.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

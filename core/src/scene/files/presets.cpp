@@ -3,8 +3,8 @@
 #include <algorithm>
 
 #include "plenoflame/base/error.h"
-#include "scene/files/nearest.h"
 #include "scene/files/preset_table.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 

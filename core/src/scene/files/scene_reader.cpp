@@ -15,10 +15,10 @@
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "plenoflame/scene/scene_settings.h"
-#include "scene/files/nearest.h"
 #include "scene/files/parse_toml.h"
-#include "scene/files/scene_in_reading.h"
 #include "scene/files/toml_guard.h"
+#include "scene/schema/nearest.h"
+#include "scene/schema/scene_in_reading.h"
 #include "scene/schema/schema_cameras.h"
 
 namespace plenoflame {

@@ -9,8 +9,8 @@
 #include "plenoflame/sampling/noise.h"
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/sweep.h"
-#include "scene/files/nearest.h"
 #include "scene/files/parse_toml.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "plenoflame/scene/sweep.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

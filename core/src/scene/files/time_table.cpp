@@ -12,7 +12,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/image/text_file.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

@@ -9,7 +9,7 @@
 #include "plenoflame/optics/glass.h"
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/lens_file.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 namespace plenoflame {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/cameras.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/schema/schema_cameras.h"
 
 namespace plenoflame {

@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "plenoflame/scene/scene_schema.h"
-#include "scene/files/nearest.h"
-#include "scene/files/scene_in_reading.h"
+#include "scene/schema/nearest.h"
+#include "scene/schema/scene_in_reading.h"
 #include "scene/schema/schema_cameras.h"
 
 namespace plenoflame {

@@ -5,7 +5,7 @@
 
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_schema.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

@@ -8,7 +8,7 @@
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/optics/first_order.h"
 #include "plenoflame/optics/surface_shape.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

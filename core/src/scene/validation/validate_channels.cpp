@@ -8,8 +8,8 @@
 #include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/optics/glass.h"
 #include "plenoflame/scene/spectral.h"
-#include "scene/channel_kind_checks.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
+#include "scene/validation/channel_kind_checks.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

@@ -7,7 +7,7 @@
 #include "plenoflame/optics/first_order.h"
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/scene/cameras.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

@@ -5,7 +5,7 @@
 
 #include "plenoflame/base/units.h"
 #include "plenoflame/scene/spectral.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

@@ -7,7 +7,7 @@
 #include "plenoflame/camera/pupil_filters.h"
 #include "plenoflame/radiometry/filter_points.h"
 #include "plenoflame/scene/spectral.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

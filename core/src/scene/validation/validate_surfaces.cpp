@@ -1,6 +1,6 @@
 #include <fmt/format.h>
 
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "scene/files/file_series.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

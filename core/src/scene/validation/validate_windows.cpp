@@ -9,7 +9,7 @@
 #include "plenoflame/optics/surface_shape.h"
 #include "plenoflame/optics/window_set.h"
 #include "plenoflame/scene/cameras.h"
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 #include "scene/validation/issues.h"
 
 namespace plenoflame {

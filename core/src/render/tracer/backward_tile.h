@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "render/sampling/aligned_columns.h"
-#include "render/sampling/backward_plan.h"
-#include "render/sampling/traced_rays.h"
+#include "render/tracer/backward_plan.h"
+#include "render/tracer/traced_rays.h"
 
 namespace plenoflame {
 

@@ -1,4 +1,4 @@
-#include "inverse/source_table.h"
+#include "inverse/operators/source_table.h"
 
 #include <cmath>
 #include <cstddef>

@@ -5,7 +5,7 @@
 #include "plenoflame/camera/microlens_lattice.h"
 #include "plenoflame/film/film.h"
 #include "render/sampling/backward_kernel.h"
-#include "render/transport/backward_surfaces.h"
+#include "render/tracer/backward_surfaces.h"
 
 namespace plenoflame {
 

@@ -1,5 +1,5 @@
 // Vector kernels of the table of radiance; compiled once per instruction set.
-#include "render/transport/radiance_table_kernel.h"
+#include "render/tracer/radiance_table_kernel.h"
 
 #include "math/kernel_math.h"
 

@@ -1,4 +1,4 @@
-#include "render/medium_behind_windows.h"
+#include "render/transport/medium_behind_windows.h"
 
 #include <algorithm>
 #include <cmath>

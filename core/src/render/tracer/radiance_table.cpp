@@ -1,4 +1,4 @@
-#include "render/transport/radiance_table.h"
+#include "render/tracer/radiance_table.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,10 +4,10 @@
 
 #include "plenoflame/sampling/sobol.h"
 #include "render/sampling/backward_kernel.h"
-#include "render/transport/camera_front.h"
 #include "render/transport/scatter_walk.h"
 #include "render/transport/surface_light.h"
 #include "render/transport/window_ways.h"
+#include "render/visibility/camera_front.h"
 
 namespace plenoflame {
 

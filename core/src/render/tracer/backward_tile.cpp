@@ -1,4 +1,4 @@
-#include "render/sampling/backward_tile.h"
+#include "render/tracer/backward_tile.h"
 
 #include <algorithm>
 #include <chrono>
@@ -6,7 +6,7 @@
 #include <iterator>
 #include <limits>
 
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 #include "render/sampling/microlens_frame.h"
 
 namespace plenoflame {

@@ -1,4 +1,4 @@
-#include "render/estimators/check_settings.h"
+#include "render/run/check_settings.h"
 
 #include <string>
 

@@ -3,7 +3,7 @@
 // compiler.
 #include <algorithm>
 
-#include "render/sampling/backward_tile.h"
+#include "render/tracer/backward_tile.h"
 
 namespace plenoflame {
 

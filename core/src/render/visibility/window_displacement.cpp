@@ -1,11 +1,11 @@
-#include "render/transport/window_displacement.h"
+#include "render/visibility/window_displacement.h"
 
 #include <algorithm>
 #include <cmath>
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/math/ray_span.h"
-#include "render/transport/camera_front.h"
+#include "render/visibility/camera_front.h"
 
 namespace plenoflame {
 namespace {

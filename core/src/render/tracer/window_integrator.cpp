@@ -1,9 +1,9 @@
-#include "render/transport/window_integrator.h"
+#include "render/tracer/window_integrator.h"
 
 #include <algorithm>
 #include <chrono>
 
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 
 namespace plenoflame {
 namespace {

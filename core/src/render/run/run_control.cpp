@@ -1,4 +1,4 @@
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 
 #include <algorithm>
 #include <condition_variable>

@@ -1,11 +1,11 @@
-#include "render/estimators/run_progress.h"
+#include "render/run/run_progress.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "render/estimators/run_control.h"
-#include "render/sampling/sample_plan.h"
+#include "render/run/run_control.h"
+#include "render/run/sample_plan.h"
 
 namespace plenoflame {
 namespace {

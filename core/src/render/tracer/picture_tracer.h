@@ -1,8 +1,8 @@
 #pragma once
 #include "plenoflame/film/film.h"
-#include "render/estimators/film_sums.h"
-#include "render/sampling/backward_tile.h"
-#include "render/transport/radiance_integrator.h"
+#include "render/tracer/backward_tile.h"
+#include "render/tracer/film_sums.h"
+#include "render/tracer/radiance_integrator.h"
 
 namespace plenoflame {
 

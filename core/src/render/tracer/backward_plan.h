@@ -8,13 +8,13 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/sobol.h"
 #include "render/sampling/backward_kernel.h"
-#include "render/sampling/pixel_row_kernel.h"
 #include "render/sampling/point_range.h"
 #include "render/sampling/sensor_blur.h"
 #include "render/sampling/worth_levels.h"
-#include "render/transport/backward_surfaces.h"
-#include "render/transport/radiance_table.h"
+#include "render/tracer/backward_surfaces.h"
+#include "render/tracer/radiance_table.h"
 #include "render/transport/scatter_walk.h"
+#include "render/visibility/pixel_row_kernel.h"
 #include "render/visibility/scene_beams.h"
 
 namespace plenoflame {

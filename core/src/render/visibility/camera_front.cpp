@@ -1,4 +1,4 @@
-#include "render/transport/camera_front.h"
+#include "render/visibility/camera_front.h"
 
 #include "render/visibility/aperture_cone.h"
 

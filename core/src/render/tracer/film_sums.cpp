@@ -1,4 +1,4 @@
-#include "render/estimators/film_sums.h"
+#include "render/tracer/film_sums.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "scene/files/nearest.h"
+#include "scene/schema/nearest.h"
 
 #include <algorithm>
 #include <limits>

@@ -1,5 +1,5 @@
 // Vector kernels of what is asked of rows of pixels; compiled once per instruction set.
-#include "render/sampling/pixel_row_kernel.h"
+#include "render/visibility/pixel_row_kernel.h"
 
 #include "math/kernel_math.h"
 

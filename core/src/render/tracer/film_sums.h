@@ -3,9 +3,9 @@
 
 #include "plenoflame/film/film.h"
 #include "render/sampling/aligned_columns.h"
-#include "render/sampling/backward_plan.h"
-#include "render/sampling/traced_rays.h"
-#include "render/transport/radiance_table.h"
+#include "render/tracer/backward_plan.h"
+#include "render/tracer/radiance_table.h"
+#include "render/tracer/traced_rays.h"
 
 namespace plenoflame {
 

@@ -8,7 +8,7 @@
 #include "plenoflame/media/medium.h"
 #include "plenoflame/render/work_counters.h"
 #include "render/sampling/backward_kernel.h"
-#include "render/transport/radiance_table_kernel.h"
+#include "render/tracer/radiance_table_kernel.h"
 
 namespace plenoflame {
 

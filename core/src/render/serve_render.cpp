@@ -10,9 +10,9 @@
 #include "plenoflame/render/ranks.h"
 #include "render/compiled/compiled_work.h"
 #include "render/estimators/backward.h"
-#include "render/estimators/check_settings.h"
 #include "render/estimators/rank_bytes.h"
 #include "render/estimators/rank_protocol.h"
+#include "render/run/check_settings.h"
 
 namespace plenoflame {
 namespace {

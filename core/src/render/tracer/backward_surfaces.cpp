@@ -1,4 +1,4 @@
-#include "render/transport/backward_surfaces.h"
+#include "render/tracer/backward_surfaces.h"
 
 #include <algorithm>
 #include <cmath>

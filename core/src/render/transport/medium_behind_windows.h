@@ -6,8 +6,8 @@
 
 #include "plenoflame/media/medium.h"
 #include "plenoflame/scene/compile.h"
-#include "render/transport/camera_front.h"
 #include "render/transport/window_wall_kernel.h"
+#include "render/visibility/camera_front.h"
 
 namespace plenoflame {
 

@@ -2,12 +2,12 @@
 #include <memory>
 
 #include "render/sampling/aligned_columns.h"
-#include "render/sampling/backward_plan.h"
-#include "render/sampling/traced_rays.h"
-#include "render/transport/backward_surfaces.h"
-#include "render/transport/radiance_table.h"
+#include "render/tracer/backward_plan.h"
+#include "render/tracer/backward_surfaces.h"
+#include "render/tracer/radiance_table.h"
+#include "render/tracer/traced_rays.h"
+#include "render/tracer/window_integrator.h"
 #include "render/transport/scatter_walk.h"
-#include "render/transport/window_integrator.h"
 
 namespace plenoflame {
 

@@ -1,8 +1,8 @@
 #pragma once
 #include <vector>
 
-#include "render/sampling/backward_plan.h"
-#include "render/sampling/traced_rays.h"
+#include "render/tracer/backward_plan.h"
+#include "render/tracer/traced_rays.h"
 #include "render/transport/medium_segments.h"
 #include "render/transport/scatter_walk.h"
 #include "render/transport/window_ways.h"

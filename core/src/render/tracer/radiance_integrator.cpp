@@ -1,4 +1,4 @@
-#include "render/transport/radiance_integrator.h"
+#include "render/tracer/radiance_integrator.h"
 
 #include <algorithm>
 #include <chrono>
@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "render/estimators/run_control.h"
+#include "render/run/run_control.h"
 #include "render/transport/channel_sum.h"
 
 namespace plenoflame {

@@ -2,8 +2,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "render/sampling/backward_tile.h"
 #include "render/sampling/microlens_frame.h"
+#include "render/tracer/backward_tile.h"
 
 namespace plenoflame {
 
