@@ -3,7 +3,7 @@
 
 Usage: families_table.py build/release/tests/statistical_test [--page docs/validation.md]
 
-Without --page it is printed. It runs the long form of the tests AllFlameFamilies.* and FlameFamilies.*, hours of one processor.
+Without --page it is printed. It runs the long form of the tests AllFlameFamilies.*, FlameFamilies.* and SootFamilies.*, hours of one processor.
 """
 
 import argparse
@@ -20,7 +20,7 @@ def main():
     parser.add_argument("program")
     parser.add_argument("--page", help="whose table is written anew")
     options = parser.parse_args()
-    done = subprocess.run([options.program, "--gtest_filter=AllFlameFamilies.*:FlameFamilies.DeviationsOfTemperatures"], stdout=subprocess.PIPE, text=True, check=False,
+    done = subprocess.run([options.program, "--gtest_filter=AllFlameFamilies.*:FlameFamilies.DeviationsOfTemperatures:SootFamilies.*"], stdout=subprocess.PIPE, text=True, check=False,
                           env={**os.environ, "PLENOFLAME_LONG_TESTS": "1"})
     rows = [line for line in done.stdout.splitlines() if line.startswith("| ")]
     if not rows:

@@ -97,7 +97,7 @@ class BadScene(CommandTest):
         self.refused(array + 'pitch = "100 m"\n', "7:9", "100 m is not possible here")
         self.refused(array + 'pitch = "inf"\n', "7:9", "inf is not possible here")
         sensor = SOUND + "[camera.sensor]\n"
-        self.refused(sensor + "columns = -5\n", "7:11", "-5 is not possible here; at least 1, at most 65536")
+        self.refused(sensor + "columns = -5\n", "7:11", "-5 is not possible here; 1 to 65536")
         self.refused(sensor + "columns = 10.5\n", "7:11", "a whole number is expected")
         self.refused(sensor + "columns = 65536\nrows = 65536\n", "7:11", "at most 1000 million are possible")
         self.refused(sensor + 'pixel_pitch = "1 m"\n', "7:15", "1 m is not possible here")

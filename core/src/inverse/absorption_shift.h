@@ -33,7 +33,7 @@ inline std::vector<double> change_by_absorption(const FluxesByAbsorption& by_abs
   return change;
 }
 
-/// The solution's part of such a change of the pictures: the error of what was found, over s, if
+/// The solution's part of such a change of the pictures. It is the error of what was found, over s, if
 /// the absorption is larger than the problem's.
 inline std::vector<double> shift_by_absorption(LinearProblem problem, Regularisation penalty,
                                                std::span<const double> change,

@@ -97,7 +97,7 @@ TEST(ParseScene, SaysWhereAndWhatIsWrong) {
   EXPECT_EQ(error_of("[camera.sensor]\ncolumns = 3000.5\n"),
             "s.toml:2:11: camera.sensor.columns: this is a number, but a whole number is expected");
   EXPECT_EQ(error_of("[camera.sensor]\ncolumns = -1\n"),
-            "s.toml:2:11: camera.sensor.columns: -1 is not possible here; at least 1, at most "
+            "s.toml:2:11: camera.sensor.columns: -1 is not possible here; 1 to "
             "65536 is allowed");
   EXPECT_EQ(error_of("[camera]\nposition = [\"1 m\", \"2 m\",\n  3]\n"),
             "s.toml:3:3: camera.position: a unit is missing: write it in quotes with one of m, mm, "

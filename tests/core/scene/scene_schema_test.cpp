@@ -116,7 +116,7 @@ TEST(SceneSchema, WrongTextLeavesTheSceneAlone) {
   EXPECT_EQ(set("camera.lens.surfaces[].radius", "1 m"),
             "the path \"camera.lens.surfaces[].radius\" needs a number in each pair of brackets");
   EXPECT_EQ(set("render.samples", "1.5"),
-            "\"1.5\" is not a whole number; at least 1, at most 1073741824 is allowed");
+            "\"1.5\" is not a whole number; 1 to 1073741824 is allowed");
   EXPECT_EQ(set("camera.position", "1 m, 2 m"),
             "\"1 m, 2 m\" does not have 3 components, separated by commas");
   EXPECT_NE(set("camera.lens.surfaces[0].radius", "0 m"), "");

@@ -407,7 +407,7 @@ TEST(Validate, PupilFilters) {
 
 TEST(Validate, SensorAndFocus) {
   EXPECT_EQ(error_after([](Scene& s) { s.camera.sensor.columns = 0; }),
-            "camera.sensor.columns is missing; at least 1, at most 65536 is allowed");
+            "camera.sensor.columns is missing; 1 to 65536 is allowed");
   EXPECT_EQ(error_after([](Scene& s) {
               s.camera.sensor = {65536, 65536, 1e-6};
             }),
@@ -546,10 +546,9 @@ TEST(Validate, ErrorsAreGivenAtTheirPlaceInTheFile) {
   EXPECT_EQ(message_of([&] { validate(focus); }).substr(0, 14), "s.toml:7:13: c");
   // A key that stands nowhere in the file is at least said to be missing there.
   const SceneDocument empty = parse_scene("", "empty.toml");
-  EXPECT_EQ(
-      message_of([&] { validate(empty); }),
-      "empty.toml: camera.sensor.columns is missing; at least 1, at most 65536 is allowed; the "
-      "easiest start is a preset: [camera] preset = \"paper-plenoptic2\"");
+  EXPECT_EQ(message_of([&] { validate(empty); }),
+            "empty.toml: camera.sensor.columns is missing; 1 to 65536 is allowed; the "
+            "easiest start is a preset: [camera] preset = \"paper-plenoptic2\"");
   const SceneDocument near =
       parse_scene(std::string(kScene) + "[camera.focus]\nobject_distance = \"10 cm\"\n", "s.toml");
   EXPECT_EQ(message_of([&] { validate(near); }).substr(0, 14), "s.toml:7:19: t");

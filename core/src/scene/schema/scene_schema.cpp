@@ -342,9 +342,13 @@ std::string range_text(const SchemaKey& key) {
                                           : readable_quantity(value, key.dimension, kMessageDigits);
   };
   if (range.nonzero) add("any number but 0");
-  if (std::isfinite(range.lower))
-    add((range.above_lower ? "above " : "at least ") + number(range.lower));
-  if (std::isfinite(range.upper)) add("at most " + number(range.upper));
+  const bool from = std::isfinite(range.lower), to = std::isfinite(range.upper);
+  if (from && to && !range.above_lower) {
+    add(number(range.lower) + " to " + number(range.upper));
+    return text;
+  }
+  if (from) add((range.above_lower ? "above " : "at least ") + number(range.lower));
+  if (to) add("at most " + number(range.upper));
   return text.empty() ? "any number" : text;
 }
 
