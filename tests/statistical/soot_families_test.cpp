@@ -121,7 +121,7 @@ TEST(SootFamilies, DeviationsAreTheErrors) {
   for (const Family family : kFamilies) {
     Totals own_temperature, own_absorption;
     for (const int seed : {1, 2, 3}) {
-      if (!in_full() && !(family == Family::blobs && seed == 1)) continue;
+      if (!in_full() && !(family == Family::blobs && seed == 2)) continue;
       const double electrons = seed == 1 ? 20000 : seed == 2 ? 5000 : 1000;
       const Outcome found = reconstruct_soot(family, electrons, static_cast<std::uint64_t>(seed));
       for (Totals* totals : {&temperature, &own_temperature}) totals->add(found.temperature);
