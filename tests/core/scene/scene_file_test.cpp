@@ -109,9 +109,9 @@ TEST(ParseScene, SaysWhereAndWhatIsWrong) {
       error_of(
           "[[camera.lens.surfaces]]\nradius = \"1 m\"\n[[camera.lens.surfaces]]\nindex = nan\n"),
       "s.toml:4:9: camera.lens.surfaces[1].index: nan is not a number");
-  EXPECT_EQ(error_of("[[camera.lens.surfaces]]\nindex = 0.9\n"),
-            "s.toml:2:9: camera.lens.surfaces[0].index: 0.9 is not possible here; at least 1, at "
-            "most 5 is allowed");
+  EXPECT_EQ(
+      error_of("[[camera.lens.surfaces]]\nindex = 0.9\n"),
+      "s.toml:2:9: camera.lens.surfaces[0].index: 0.9 is not possible here; 1 to 5 is allowed");
   EXPECT_EQ(error_of("[flames]\nkind = \"vdb\"\n"),
             "s.toml:1:1: flames is a table, but it must be a list of tables: write [[flames]]");
   EXPECT_EQ(error_of("[[camera]]\n"),
