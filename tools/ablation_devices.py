@@ -19,7 +19,7 @@ class Device:
 
 RENDER = "core/src/render/"
 FRAME = RENDER + "sampling/microlens_frame.cpp"
-PAIRS = RENDER + "sampling/backward_pairs.cpp"
+PAIRS = RENDER + "tracer/backward_pairs.cpp"
 AIM = RENDER + "sampling/aim_edges_kernel.inl.h"
 BEAMS = RENDER + "visibility/pixel_beams.cpp"
 
@@ -50,25 +50,25 @@ DEVICES = [
              "plan_.levels[static_cast<std::size_t>(WITHOUT(levels of worth) ? 0 : std::min(worth, last_level))];")],
            [RENDER + "sampling/worth_levels.cpp", RENDER + "sampling/worth_levels.h"], []),
     Device("skipping of microlenses", "Microlenses whose beams miss the flame are skipped (`BeamBounds`).",
-           [(RENDER + "sampling/backward_rows.cpp", "if (visibility == Visibility::none) return;",
+           [(RENDER + "tracer/backward_rows.cpp", "if (visibility == Visibility::none) return;",
              "if (visibility == Visibility::none && !WITHOUT(skipping of microlenses)) return;")],
            [RENDER + "visibility/beam_bounds.cpp", RENDER + "visibility/beam_bounds.h"], ["tests/core/render/skipping_test.cpp"]),
     Device("skipping of pixels", "Pixels whose beams miss the flame are skipped, behind microlenses whose beams meet it (`PixelBeams`).",
-           [(RENDER + "sampling/backward_rows.cpp", "if (visibility == Visibility::partial && plan_.beams->pixels()) {",
+           [(RENDER + "tracer/backward_rows.cpp", "if (visibility == Visibility::partial && plan_.beams->pixels()) {",
              "if (visibility == Visibility::partial && plan_.beams->pixels() && !WITHOUT(skipping of pixels)) {")],
            [BEAMS, RENDER + "visibility/pixel_beams.h"], ["tests/core/render/pixel_beams_test.cpp"]),
     Device("control variate", "A table gives the radiance of grids; some rays correct it (`RadianceTable`).",
            [(RENDER + "estimators/backward.cpp", "if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;",
              "if (WITHOUT(control variate) || !settings.control_variate || !in_single_precision(scene, settings)) return nullptr;")],
-           [RENDER + "transport/radiance_table.cpp", RENDER + "transport/radiance_table.h", RENDER + "transport/radiance_table_kernel.inl.h",
-            RENDER + "transport/radiance_table_kernel.h"],
+           [RENDER + "tracer/radiance_table.cpp", RENDER + "tracer/radiance_table.h", RENDER + "tracer/radiance_table_kernel.inl.h",
+            RENDER + "tracer/radiance_table_kernel.h"],
            ["tests/core/render/radiance_table_test.cpp"]),
     Device("constant bricks", "Rays cross bricks of one value at once, in closed form.",
            [("core/src/media/voxels/voxel_lattice.cpp", "    if (constant) {", "    if (constant && !WITHOUT(constant bricks)) {")],
            [("core/src/media/voxels/voxel_kernel.inl.h", "  void add_constants(", "  }"), ("core/src/media/voxels/voxel_lattice.cpp", "    if (constant) {", "    }")],
            []),
     Device("empty bricks", "Rays cross empty and constant bricks, and blocks of 512 of them, at once.",
-           [(RENDER + "transport/radiance_integrator.cpp", "options.skip = plan_.settings->skip;",
+           [(RENDER + "tracer/radiance_integrator.cpp", "options.skip = plan_.settings->skip;",
              "options.skip = plan_.settings->skip && !WITHOUT(empty bricks);"),
             (RENDER + "estimators/backward.cpp", "options.skip = settings.skip;", "options.skip = settings.skip && !WITHOUT(empty bricks);")],
            [], []),

@@ -108,6 +108,8 @@ void check_sought(const ReconstructRequest& request) {
     throw UsageError("--solver " + request.solver +
                      " is for --find emission: temperatures are found by Gauss and Newton's "
                      "method");
+  if (request.absorption_error > 0 && sought == Sought::both)
+    throw UsageError("--absorption-error: --find both finds the absorption and its deviation");
   if (request.absorption_error > 0 && !known)
     throw UsageError("--absorption-error is for a known absorption: give --absorption");
   const std::size_t channels = request.channels().size();

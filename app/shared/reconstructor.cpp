@@ -436,6 +436,7 @@ std::vector<CameraSpec> Reconstructor::camera_specs() const {
 void Reconstructor::refine(const FrameMeasurements& measurements, const Execution& execution) {
   refinement_ =
       refine_cameras(linear_input(measurements), settings_, request_.refined(), execution);
+  settings_.refined = refinement_->corrections;
   if (!refinement_->settled)
     execution.warn(
         "--refine: the corrections have not settled; the model is wrong by more than they can "
@@ -535,6 +536,9 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, double s
     Reconstruction tested = reconstruct(input, settings, execution);
     result.figures.suspects = std::move(tested.suspects);
     result.figures.light_outside = std::move(tested.light_outside);
+    if (!tested.camera_deviation.empty())
+      add_deviation(tested.camera_deviation,
+                    channel_source(cameras_.first().scene, cameras_.channels[0]), result.estimate);
   } catch (const Cancelled&) {
     return;  // temperatures and deviations are all there
   } catch (const std::exception& error) {

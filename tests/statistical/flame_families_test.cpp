@@ -68,7 +68,8 @@ TEST(FlameFamilies, DeviationsOfTemperatures) {
     trial.cameras = rings ? 1 : 3;
     trial.absorption = 25;
     measure(trial, temperature);
-    print(std::string("**temperature, ") + (rings ? "rings, 1" : "voxels, 3") + "**",
+    print(std::string("**absorbing flames, ") + (rings ? "rings, 1 camera" : "voxels, 3 cameras") +
+              ", temperature**",
           temperature.mean());
     expect_true(temperature);
   }

@@ -8,8 +8,8 @@
 #include <map>
 #include <utility>
 
-#include "inverse/absorption_shift.h"
 #include "inverse/displaced_camera.h"
+#include "inverse/followed_change.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
 
@@ -31,6 +31,12 @@ class ScoreTests {
   }
   /// @param change of all rows
   void add(SuspectKind kind, std::size_t view, std::vector<double> change) {
+    for (const Suspect& refined : model_.refined)
+      if (refined.is_same({kind, view})) {
+        std::vector<double> by_deviation = change;
+        for (double& value : by_deviation) value *= refined.deviation;
+        model_.keep(by_deviation);
+      }
     const double own = product(change, change);
     std::vector<double> left = left_of(change);
     const double information = product(left, change);
@@ -242,8 +248,7 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
   }
   if (model.absorption && model.emission->model == RowModel::source)
     tests.add(SuspectKind::absorption, 0,
-              change_by_absorption(fluxes_by_absorption(*model.emission, found.values, quiet),
-                                   model.light));
+              change_by_absorption(*model.emission, found.values, *model.views, model.rays, quiet));
   return tests.take();
 }
 

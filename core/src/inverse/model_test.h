@@ -1,4 +1,5 @@
 #pragma once
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct TestedModel {
   bool absorption = true;            ///< is tested, where it is known
   /// Quantities that were corrected: what is left of them is estimated with those that are named.
   std::span<const Suspect> corrected;
+  /// Quantities that were corrected before, and what takes the change of all rows for each of them
+  /// that is larger by its deviation.
+  std::span<const Suspect> refined;
+  std::function<void(std::span<const double> change)> keep;
 };
 
 /// Tests the absorption, and exposure, stray light, place, rotation and focus of each camera

@@ -12,8 +12,8 @@
 #include <string>
 #include <utility>
 
-#include "inverse/absorption_shift.h"
 #include "inverse/expected_misfit.h"
+#include "inverse/followed_change.h"
 #include "inverse/model_test.h"
 #include "inverse/operators/remembered_product.h"
 #include "inverse/operators/scaled_problem.h"
@@ -262,18 +262,13 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     result.deviation.push_back(factor * std::sqrt(square / settings.draws));
 }
 
-void add_absorption_shift(const ScaledProblem& problem, const EmissionProblem& rows,
-                          std::span<const double> light, double error, const Execution& execution,
-                          Reconstruction& result) {
-  const std::vector<double> change =
-      change_by_absorption(fluxes_by_absorption(rows, result.values, execution), light);
-  result.absorption_shift = values_at_places(
-      *rows.unknowns,
-      problem.samples(shift_by_absorption(
-          problem.problem(change), problem.regularisation(result.strength), change, execution)),
-      result.solved);
-  for (double& value : result.absorption_shift) value *= error;
-  result.absorption_error = error;
+/// The flame's part of a change of the pictures [W], at places.
+std::vector<double> followed_at_places(const ScaledProblem& problem, const Unknowns& unknowns,
+                                       std::span<const double> change, const Execution& execution,
+                                       const Reconstruction& found) {
+  const std::vector<double> u = follow_change(
+      problem.problem(change), problem.regularisation(found.strength), change, execution);
+  return values_at_places(unknowns, problem.samples(u), found.solved);
 }
 
 PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const ScaledProblem& problem,
@@ -540,20 +535,37 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     try {
       // The end of an iteration has no posterior.
       if (weighted->has_penalty()) {
+        const auto followed = [&](std::span<const double> change) {
+          return followed_at_places(*weighted, *input.unknowns, change, watch.inner(), result);
+        };
+        if (settings.draws > 0 && settings.absorption_error > 0 && model == RowModel::source) {
+          result.absorption_shift = followed(
+              change_by_absorption(problem, result.values, views, settings.rays, watch.inner()));
+          for (double& value : result.absorption_shift) value *= settings.absorption_error;
+          result.absorption_error = settings.absorption_error;
+        }
         add_uncertainty(*weighted, input, settings, b, rows, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
-        if (settings.absorption_error > 0 && model == RowModel::source)
-          add_absorption_shift(*weighted, problem, explained, settings.absorption_error,
-                               watch.inner(), result);
         if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
           CameraRaySettings how = settings.rays;
           how.keep = !result.drawn;
-          result.suspects = test_model({&problem, &views, &*weighted, how, explained, left,
-                                        settings.test_absorption, settings.corrected},
-                                       result, {kLeastProbe, 1e-3},
-                                       part_of_progress(execution, kUntested, 1 - kUntested));
+          const auto add_to_deviation = [&](std::span<const double> change) {
+            const std::vector<double> moved = followed(change);
+            result.camera_deviation.resize(moved.size());
+            for (std::size_t j = 0; j < moved.size(); ++j) {
+              double& part = result.camera_deviation[j];
+              part = std::hypot(part, moved[j]);
+            }
+          };
+          result.suspects = test_model(
+              {&problem, &views, &*weighted, how, explained, left, settings.test_absorption,
+               settings.corrected, settings.refined, add_to_deviation},
+              result, {kLeastProbe, 1e-3}, part_of_progress(execution, kUntested, 1 - kUntested));
+          if (!result.deviation.empty())
+            for (std::size_t j = 0; j < result.camera_deviation.size(); ++j)
+              result.deviation[j] = std::hypot(result.deviation[j], result.camera_deviation[j]);
         }
       }
       report_fraction(execution, 1);

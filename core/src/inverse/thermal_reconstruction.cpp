@@ -6,8 +6,8 @@
 #include <string>
 #include <utility>
 
-#include "inverse/absorption_shift.h"
 #include "inverse/expected_misfit.h"
+#include "inverse/followed_change.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/vector_sums.h"
 #include "inverse/operators/worthwhile_threads.h"
@@ -74,53 +74,6 @@ class ScaledDerivative final : public LinearOperator {
   std::unique_ptr<ScaledColumns> scaled_;
 };
 
-/// Penalties on the parts of the variables, one below the other.
-class BlockPenalty final : public LinearOperator {
- public:
-  void add(std::unique_ptr<LinearOperator> penalty, double factor) {
-    rows_ += penalty->rows();
-    columns_ += penalty->columns();
-    blocks_.push_back({std::move(penalty), factor});
-  }
-  std::size_t rows() const override { return rows_; }
-  std::size_t columns() const override { return columns_; }
-  void apply(std::span<const double> x, std::span<double> y) const override {
-    for (const Block& block : blocks_) {
-      const auto part = y.first(block.penalty->rows());
-      block.penalty->apply(x.first(block.penalty->columns()), part);
-      for (double& value : part) value *= block.factor;
-      x = x.subspan(block.penalty->columns());
-      y = y.subspan(part.size());
-    }
-  }
-  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
-    for (const Block& block : blocks_) {
-      const auto part = x.first(block.penalty->columns());
-      block.penalty->apply_transpose(y.first(block.penalty->rows()), part);
-      for (double& value : part) value *= block.factor;
-      y = y.subspan(block.penalty->rows());
-      x = x.subspan(part.size());
-    }
-  }
-  double squared_norm(std::span<const double> weights) const override {
-    double sum = 0;
-    for (const Block& block : blocks_) {
-      const auto own = weights.empty() ? weights : weights.first(block.penalty->rows());
-      sum += block.factor * block.factor * block.penalty->squared_norm(own);
-      if (!weights.empty()) weights = weights.subspan(block.penalty->rows());
-    }
-    return sum;
-  }
-
- private:
-  struct Block {
-    std::unique_ptr<LinearOperator> penalty;
-    double factor;
-  };
-  std::vector<Block> blocks_;
-  std::size_t rows_ = 0, columns_ = 0;
-};
-
 class ThermalSolver {
  public:
   ThermalSolver(const ThermalInput& input, const ThermalSettings& settings,
@@ -169,22 +122,31 @@ class ThermalSolver {
   std::size_t unknowns() const { return input_.unknowns->size(); }
   bool thick() const { return input_.absorption.empty(); }
 
+  std::vector<CameraView> views_of(const ThermalPictures& pictures) const {
+    std::vector<CameraView> views = input_.views;
+    for (std::size_t v = 0; v < views.size(); ++v)
+      views[v].window = pictures.measurements[v].window;
+    return views;
+  }
+  /// Light behind the flame in a channel, with a factor on the absorption.
+  std::vector<double> behind(std::size_t channel, double factor) const {
+    const ThermalPictures& pictures = input_.channels[channel];
+    std::vector<double> absorption = input_.absorption;
+    for (double& kappa : absorption) kappa *= factor * pictures.absorption_ratio;
+    return light_behind(views_of(pictures), *rays_[channel], *input_.unknowns, absorption,
+                        rays_of_channel(settings_.linear.rays, channel, pictures.channel), inner_);
+  }
+
   void set_up_data(const ThermalStart& start) {
     Reconstruction& figures = result_.figures;
     for (const ThermalPictures& pictures : input_.channels) {
-      std::vector<CameraView> views = input_.views;
-      for (std::size_t v = 0; v < views.size(); ++v)
-        views[v].window = pictures.measurements[v].window;
       const CameraRaySettings how =
           rays_of_channel(settings_.linear.rays, rays_.size(), pictures.channel);
       const Box box = input_.unknowns->bounds();
-      rays_.push_back(std::make_unique<CameraRays>(
-          rays_by(settings_.linear.assembly, settings_.linear.form, views, box, how, inner_)));
+      rays_.push_back(std::make_unique<CameraRays>(rays_by(
+          settings_.linear.assembly, settings_.linear.form, views_of(pictures), box, how, inner_)));
       MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
-      std::vector<double> absorption = input_.absorption;
-      for (double& kappa : absorption) kappa *= pictures.absorption_ratio;
-      take_away(light_behind(views, *rays_.back(), *input_.unknowns, absorption, how, inner_),
-                measured);
+      take_away(behind(rays_.size() - 1, 1), measured);
       b_.insert(b_.end(), measured.flux.begin(), measured.flux.end());
       measured_.push_back(std::move(measured));
       figures.rays += rays_.back()->ray_count();
@@ -446,6 +408,8 @@ class ThermalSolver {
         free_chi_squared(figures.chi_squared * rows_, rows_, figures.resolved_unknowns);
     figures.noise_factor = std::sqrt(free);
     if (draws < 1) return;
+    figures.absorption_error = thick() ? 0 : settings_.linear.absorption_error;
+    const std::vector<double> shift = shift_of(problem, penalty, figures.absorption_error);
     FlameEstimate& estimate = result_.estimate;
     const SourceFunction& source = input_.channels[0].source;
     std::vector<double> emission(n, 0.0), temperature(n, 0.0), absorption(n, 0.0);
@@ -477,13 +441,11 @@ class ThermalSolver {
         figures.complete = false;  // the deviations of the linearised problem are there
       }
     }
-    const std::vector<double> shift = shift_of(problem, penalty, explained);
-    figures.absorption_error = thick() ? 0 : settings_.linear.absorption_error;
     for (std::size_t j = 0; j < n; ++j) {
       const double t = estimate.temperature[j], own = wider * std::sqrt(temperature[j]);
-      // An absorption that is larger makes temperatures lower, and the emission is their product.
+      // If the absorption is larger, the temperatures are lower, and the emission is the product.
       const double brighter = shift[j] * source_slope(source, t) / std::max(source(t), 1e-300) -
-                              settings_.linear.absorption_error;
+                              figures.absorption_error;
       estimate.temperature_deviation.push_back(std::hypot(own, shift[j]));
       estimate.emission_deviation.push_back(estimate.emission[j] *
                                             std::hypot(wider * std::sqrt(emission[j]), brighter));
@@ -493,18 +455,23 @@ class ThermalSolver {
     }
   }
 
-  /// [K] Change of the temperatures for a known absorption that is larger by its deviation.
+  /// [K] Error of the temperatures, found less true, if the true absorption is larger by its error.
   std::vector<double> shift_of(const LinearProblem& linear, const Regularisation& penalty,
-                               std::span<const double> explained) const {
-    const double error = settings_.linear.absorption_error;
-    if (thick() || !(error > 0)) return std::vector<double>(unknowns(), 0.0);
-    const auto fluxes = [this](double factor) {
+                               double error) const {
+    if (!(error > 0)) return std::vector<double>(unknowns(), 0.0);
+    const std::vector<double> change = change_by_absorption([this](double factor) {
       ThermalModel other = model_;
       for (double& absorption : other.absorption) absorption *= factor;
-      return thermal_fluxes(other, physical(x_), inner_);
-    };
-    std::vector<double> shift =
-        shift_by_absorption(linear, penalty, change_by_absorption(fluxes, explained), inner_);
+      std::vector<double> fluxes = thermal_fluxes(other, physical(x_), inner_);
+      std::size_t first = 0;
+      for (std::size_t c = 0; c < rays_.size(); ++c) {
+        const std::vector<double> light = behind(c, factor);
+        for (std::size_t i = 0; i < light.size(); ++i) fluxes[first + i] += light[i];
+        first += measured_[c].flux.size();
+      }
+      return fluxes;
+    });
+    std::vector<double> shift = follow_change(linear, penalty, change, inner_);
     for (double& value : shift) value *= error * unit_;
     return shift;
   }

@@ -92,7 +92,7 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
       ->option_text("NUMBER");
   command
       .add_option("--prior", arguments.prior,
-                  "Emission of this earlier result is what the penalty draws to (.vdb)")
+                  "The penalty pulls towards the emission of this earlier result (.vdb)")
       ->option_text("FILE.vdb");
   command.add_option("--start", arguments.start, "Begin with this earlier result (.vdb)")
       ->option_text("FILE.vdb");

@@ -1,4 +1,5 @@
 #pragma once
+#include <span>
 #include <vector>
 
 #include "plenoflame/inverse/reconstruction.h"
@@ -27,6 +28,11 @@ inline constexpr double kAmbient = 293.15;
 FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold = 1e-4);
+
+/// Adds an independent part to the deviations of emission and temperature.
+/// @param moved [W/(m^2 sr)] standard deviations of the source function, of each unknown
+void add_deviation(std::span<const double> moved, const SourceFunction& source,
+                   FlameEstimate& estimate);
 
 /// The differences of an estimate from the truth.
 struct EstimateErrors {

@@ -69,6 +69,9 @@ struct ReconstructionSettings {
   double absorption_error = 0;
   /// Quantities that were corrected: the test estimates their remaining errors.
   std::vector<Suspect> corrected;
+  /// Quantities of cameras that were corrected before: the flame's deviations hold their errors.
+  /// Needs test_model.
+  std::vector<Suspect> refined;
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
   double memory = 2e9;  ///< [byte] that a stored matrix may take; above, rays are followed again
@@ -110,9 +113,13 @@ struct Reconstruction {
   /// The flame at the places of the unknowns, from these samples: values_at_places().
   std::vector<double> at_places;
   /// Standard deviations of at_places (uncertainty.h), including the misfit beyond noise. Empty: no
-  /// draws, or the solver has no quadratic penalty.
+  /// draws, or the solver has no penalty.
   std::vector<double> deviation;
-  /// Change of at_places for an absorption that is larger by its deviation; empty: it has none.
+  /// The part of `deviation` that errors of corrected cameras make; also without draws. Empty: no
+  /// camera was corrected.
+  std::vector<double> camera_deviation;
+  /// Error of at_places, found less true, if the true absorption is larger than the known one by
+  /// the deviation of that. Empty: the absorption has none.
   std::vector<double> absorption_shift;
   double absorption_error = 0;  ///< this deviation, relative
   /// Root of chi^2 over the number of degrees of freedom (rows less the unknowns that they

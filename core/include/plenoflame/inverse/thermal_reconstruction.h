@@ -34,7 +34,7 @@ struct ThermalInput {
 inline constexpr std::size_t kMostChained = 3000;
 
 struct ThermalSettings {
-  /// Rays, penalty, strength, rule, probes and memory; the linear reconstructions that it begins
+  /// Rays, penalty, strength, probes and memory; the linear reconstructions that it begins
   /// with take the rest of it.
   ReconstructionSettings linear;
   int steps = 15;                                               ///< of Gauss and Newton

@@ -37,8 +37,8 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
   if (reconstruction.model == RowModel::emission) return estimate;
   const std::size_t n = reconstruction.at_places.size();
   estimate.absorption = absorption;
-  // The source function's deviation. A larger absorption makes the source function smaller, and the
-  // emission is the product of both.
+  // The source function's deviation. If the absorption is larger by the share e, the true emission
+  // is kappa (1 + e) (S - shift), and the found one errs by kappa (shift - e S).
   std::vector<double> deviation = reconstruction.deviation;
   for (std::size_t j = 0; j < n; ++j) {
     double shift = 0;
@@ -81,6 +81,18 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
     estimate.absorption[j] = estimate.emission[j] / source(estimate.temperature[j]);
   }
   return estimate;
+}
+
+void add_deviation(std::span<const double> moved, const SourceFunction& source,
+                   FlameEstimate& estimate) {
+  for (std::size_t j = 0; j < estimate.temperature_deviation.size(); ++j) {
+    double &emission = estimate.emission_deviation[j],
+           &temperature = estimate.temperature_deviation[j];
+    emission = std::hypot(emission, estimate.absorption[j] * moved[j]);
+    if (temperature > 0)
+      temperature =
+          std::hypot(temperature, moved[j] / source_slope(source, estimate.temperature[j]));
+  }
 }
 
 EstimateErrors compare_estimate(const FlameEstimate& estimate, const std::vector<double>& emission,
