@@ -336,6 +336,10 @@ class Reconstruct(CommandTest):
                 ("--find emission", "--find", "both", "--solver", "cgls"),
                 ("--find emission", "--find", "both", "--spread", "1 m, 0 m, 0 m"),
                 ("three lengths", "--spread", "here"),
+                ("give --absorption", "--absorption-error", "0.1"),
+                ("--find both finds", "--find", "both", "--absorption-error", "0.1"),
+                ("need --draws", "--absorption", "scene", "--absorption-error", "0.1", "--draws", "0"),
+                ("need --draws", "--absorption", "scene", "--absorption-error", "0.1", "--solver", "sirt"),
                 ("3 axes", "--smoothing", "1")):
             self.fails(2, "reconstruct", *none, *arguments, mentions=mentions)
         # Filters in the pupil would do instead of a second channel: the scene is read first.

@@ -259,6 +259,40 @@ TEST(FlameBlock, RefusesPicturesWithoutLightInCommon) {
   EXPECT_NE(refused().find("above its noise"), std::string::npos);
 }
 
+// The reference are flames of pictures of which the first is brighter or darker.
+TEST(Refine, DeviationsHoldTheErrorsOfCorrections) {
+  const FamilyTrial trial{Family::jet, true, 3, 20000, 3, 0};
+  FamilyProblem problem(trial);
+  ReconstructionSettings settings = family_settings(trial);
+  settings.strength = 1e-4;
+  settings.draws = 2;
+  settings.probes = 0;
+  settings.test_model = true;
+  const Reconstruction without = reconstruct(problem.input, settings);
+  constexpr double kDeviation = 0.1, kStep = 0.05;
+  settings.refined = {{SuspectKind::exposure, 0, 0, kDeviation}};
+  const Reconstruction with = reconstruct(problem.input, settings);
+  settings.refined.clear();
+  settings.draws = 0;
+  settings.test_model = false;
+  const std::vector<float> taken = problem.input.measurements[0].flux.pixels;
+  const auto of_exposure = [&](double factor) {
+    for (std::size_t k = 0; k < taken.size(); ++k)
+      problem.input.measurements[0].flux.pixels[k] = static_cast<float>(factor * taken[k]);
+    return reconstruct(problem.input, settings).at_places;
+  };
+  const std::vector<double> brighter = of_exposure(1 + kStep), darker = of_exposure(1 - kStep);
+  double away = 0, all = 0;
+  for (std::size_t j = 0; j < brighter.size(); ++j) {
+    const double expected = kDeviation * std::fabs(brighter[j] - darker[j]) / (2 * kStep);
+    const double part = std::sqrt(
+        std::max(std::pow(with.deviation[j], 2) - std::pow(without.deviation[j], 2), 0.0));
+    away += std::pow(part - expected, 2);
+    all += expected * expected;
+  }
+  EXPECT_LT(std::sqrt(away / all), 0.15);
+}
+
 // Four cameras: one that is 5 % too bright, or stands 0.5 mm aside, is found by its error, and
 // nothing else is corrected.
 TEST(Refine, FindsWhatIsWrongWithinItsError) {

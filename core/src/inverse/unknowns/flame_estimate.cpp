@@ -37,8 +37,8 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
   if (reconstruction.model == RowModel::emission) return estimate;
   const std::size_t n = reconstruction.at_places.size();
   estimate.absorption = absorption;
-  // The source function's deviation. If the absorption is larger by the share e, the true emission
-  // is kappa (1 + e) (S - shift), and the found one errs by kappa (shift - e S).
+  // The source function's deviation. Let the absorption be larger by the share e. The true emission
+  // is then kappa (1 + e) (S - shift), and the found one errs by kappa (shift - e S).
   std::vector<double> deviation = reconstruction.deviation;
   for (std::size_t j = 0; j < n; ++j) {
     double shift = 0;
