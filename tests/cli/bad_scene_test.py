@@ -105,7 +105,7 @@ class BadScene(CommandTest):
         self.refused(layer({"temperature": '"1e6 K"'}), "8:15", "1000000 K is not possible here")
         self.refused(layer({"absorption": '"-1 1/m"'}), "9:14", "-1 1/m is not possible here")
         self.refused(layer({"semi_axes": '["9 mm", "0 mm", "9 mm"]'}), "7:13", "above 0 m")
-        self.refused(SOUND + "[render]\nsamples = 0\n", "7:11", "0 is not possible here; at least 1")
+        self.refused(SOUND + "[render]\nsamples = 0\n", "7:11", "0 is not possible here; 1 to 1073741824")
         self.refused(SOUND + "[develop]\nbits = 99\n", "7:8", "at most 16")
         self.refused(SOUND + "[[flames]]\nscale = -1\n", "7:9", "-1 is not possible here; above 0")
         self.refused(SOUND + '[[channels]]\nname = "red"\nkind = "band"\nwavelength = "650 nm"\nwidth = "-3 nm"\n',
@@ -121,7 +121,7 @@ class BadScene(CommandTest):
         self.refused(lens({"thickness": '"1 mm"'}), "8:13", "surfaces 0 and 1 of the main lens overlap by 11.12 mm",
                      "make the thickness 12.12 mm or more")
         self.refused(lens({"thickness": '"-1 mm"'}), "8:13", "-1 mm is not possible here")
-        self.refused(lens({"index": "-1.5"}), "9:9", "at least 1")
+        self.refused(lens({"index": "-1.5"}), "9:9", "1 to 5")
         self.refused(lens({"radius": '"0 mm"'}), "7:10", "any number but 0")
         self.refused(lens({}, {"stop": "false"}), "6:1", "set stop = true on one of them")
         self.refused(lens({"stop": "true"}), "17:8", "surfaces 0 and 1 of the main lens are both the stop")

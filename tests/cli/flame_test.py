@@ -180,7 +180,7 @@ class Flame(CommandTest):
                 ('temprature = "1 K"\n', "9:1", 'unknown key "temprature" in layers[1]; did you mean "temperature"?'),
                 ('temperature = "1500"\n', "9:15", "its unit is missing (one of K, degC)"),
                 ('temperature = nan\n', "9:15", "nan is not a number"),
-                ('absorption = "-20 1/m"\n', "9:14", "-20 1/m is not possible here; at least 0 1/m"),
+                ('absorption = "-20 1/m"\n', "9:14", "-20 1/m is not possible here; 0 1/m to"),
                 ('semi_axes = ["1 mm", "0 mm", "1 mm"]\n', "9:13", "above 0 m"),
                 ('name = "b"\n', "8:1", "layers[1].semi_axes is missing")):
             self.write("l.toml", LAYERS.lstrip("\n") + "\n[[layers]]\n" + mistake)
