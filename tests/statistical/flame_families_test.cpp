@@ -275,10 +275,11 @@ TEST(Refine, DeviationsHoldTheErrorsOfCorrections) {
   settings.refined.clear();
   settings.draws = 0;
   settings.test_model = false;
-  const std::vector<float> taken = problem.input.measurements[0].flux.pixels;
+  const Image taken = problem.input.measurements[0].flux;
   const auto of_exposure = [&](double factor) {
-    for (std::size_t k = 0; k < taken.size(); ++k)
-      problem.input.measurements[0].flux.pixels[k] = static_cast<float>(factor * taken[k]);
+    for (std::size_t k = 0; k < taken.pixels.size(); ++k)
+      problem.input.measurements[0].flux.pixels[k] =
+          static_cast<float>(factor * static_cast<double>(taken.pixels[k]));
     return reconstruct(problem.input, settings).at_places;
   };
   const std::vector<double> brighter = of_exposure(1 + kStep), darker = of_exposure(1 - kStep);
