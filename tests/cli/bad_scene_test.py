@@ -106,7 +106,7 @@ class BadScene(CommandTest):
         self.refused(layer({"absorption": '"-1 1/m"'}), "9:14", "-1 1/m is not possible here")
         self.refused(layer({"semi_axes": '["9 mm", "0 mm", "9 mm"]'}), "7:13", "above 0 m")
         self.refused(SOUND + "[render]\nsamples = 0\n", "7:11", "0 is not possible here; 1 to 1073741824")
-        self.refused(SOUND + "[develop]\nbits = 99\n", "7:8", "at most 16")
+        self.refused(SOUND + "[develop]\nbits = 99\n", "7:8", "1 to 16")
         self.refused(SOUND + "[[flames]]\nscale = -1\n", "7:9", "-1 is not possible here; above 0")
         self.refused(SOUND + '[[channels]]\nname = "red"\nkind = "band"\nwavelength = "650 nm"\nwidth = "-3 nm"\n',
                      "10:9", "-3 nm is not possible here")
