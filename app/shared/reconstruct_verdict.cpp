@@ -142,9 +142,13 @@ std::vector<std::string> what_is_wrong(const ReconstructResult& result, const st
                                 readable_point(0.5 * (lower + upper)),
                                 readable_point(upper - lower)));
   }
-  for (const Suspect& suspect : figures.suspects)
-    if (suspect.named)
+  for (const Suspect& suspect : figures.suspects) {
+    // The deviations hold an error of the absorption that was stated.
+    const bool stated = suspect.kind == SuspectKind::absorption &&
+                        std::fabs(suspect.estimate) < 2 * figures.absorption_error;
+    if (suspect.named && !stated)
       lines.push_back(sentence(suspect, kind, cameras.at(suspect.view), cameras.size()));
+  }
   return lines;
 }
 

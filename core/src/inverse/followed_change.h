@@ -7,6 +7,7 @@
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/solvers.h"
+#include "plenoflame/inverse/uncertainty.h"
 
 /// The error that a wrong absorption or camera makes in what is found with it.
 namespace plenoflame {
@@ -39,15 +40,16 @@ inline std::vector<double> change_by_absorption(const EmissionProblem& problem,
   });
 }
 
-/// The solution's part of a change of the pictures [W]. @throws Cancelled
+/// The solution's part of a change of the pictures [W], whatever the prior. @throws Cancelled
 inline std::vector<double> follow_change(LinearProblem problem, Regularisation penalty,
                                          std::span<const double> change,
+                                         const ProbeAccuracy& accuracy,
                                          const Execution& execution) {
   problem.b = change;
   penalty.prior = {};
   SolverOptions options;
-  options.iterations = 300;
-  options.relative_change = 1e-5;
+  options.iterations = accuracy.iterations;
+  options.relative_change = accuracy.relative_change;
   Solution followed = solve_cgls(problem, penalty, options, execution);
   if (execution.stop.stop_requested()) throw Cancelled();
   return std::move(followed.x);

@@ -157,15 +157,10 @@ class ScoreTests {
 
   /// The part of a change that the flame cannot follow.
   std::vector<double> left_of(const std::vector<double>& change) const {
-    if (execution_.stop.stop_requested()) throw Cancelled();
     const LinearProblem linear = model_.problem->problem(change);
     const Regularisation penalty = model_.problem->regularisation(kFreer * found_.strength);
-    SolverOptions options;
-    options.iterations = accuracy_.iterations;
-    options.relative_change = accuracy_.relative_change;
-    const Solution followed =
-        solve_cgls(linear, {penalty.penalty, penalty.strength}, options, execution_);
-    std::vector<double> left = *linear.a * followed.x;
+    std::vector<double> left =
+        *linear.a * follow_change(linear, penalty, change, accuracy_, execution_);
     for (std::size_t i = 0; i < left.size(); ++i) left[i] = change[i] - left[i];
     return left;
   }

@@ -266,8 +266,9 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
 std::vector<double> followed_at_places(const ScaledProblem& problem, const Unknowns& unknowns,
                                        std::span<const double> change, const Execution& execution,
                                        const Reconstruction& found) {
-  const std::vector<double> u = follow_change(
-      problem.problem(change), problem.regularisation(found.strength), change, execution);
+  const std::vector<double> u =
+      follow_change(problem.problem(change), problem.regularisation(found.strength), change,
+                    {300, 1e-5}, execution);
   return values_at_places(unknowns, problem.samples(u), found.solved);
 }
 

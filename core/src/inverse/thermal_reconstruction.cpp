@@ -471,7 +471,7 @@ class ThermalSolver {
       }
       return fluxes;
     });
-    std::vector<double> shift = follow_change(linear, penalty, change, inner_);
+    std::vector<double> shift = follow_change(linear, penalty, change, {300, 1e-5}, inner_);
     for (double& value : shift) value *= error * unit_;
     return shift;
   }
