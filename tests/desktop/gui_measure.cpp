@@ -1,5 +1,5 @@
-// Times of everything that somebody waits for; run by hand, see docs/developer/testing.md. Nothing here
-// passes or fails.
+// Times of everything that somebody waits for; run by hand, see docs/developer/testing.md. Nothing
+// here passes or fails.
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
