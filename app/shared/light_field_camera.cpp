@@ -21,11 +21,10 @@ void check_camera_of(const SceneDocument& document, const std::string& path) {
   }
 }
 
-SceneDocument scene_of(const LightField& field, const std::string& name,
-                       const std::vector<std::string>& values) {
+SceneDocument scene_of(const LightField& field, const std::string& name) {
   if (field.scene_text.empty())
     throw InputError(name + " holds no scene, so its camera is not known");
-  SceneDocument document = for_camera(parse_embedded_scene(field.scene_text, name, values));
+  SceneDocument document = for_camera(parse_embedded_scene(field.scene_text, name));
   check_camera_of(document, "scene of " + name);
   return document;
 }

@@ -11,10 +11,9 @@ namespace plenoflame {
 
 /// The scene that a light field holds, of its one camera, which is checked; what burns may have
 /// moved. No file that the scene names is opened.
-/// @param name of the light field, for messages @param values of --set
+/// @param name of the light field, for messages
 /// @throws InputError also for a light field without a scene
-SceneDocument scene_of(const LightField& field, const std::string& name,
-                       const std::vector<std::string>& values = {});
+SceneDocument scene_of(const LightField& field, const std::string& name);
 
 /// Validates the part of a scene with which a light field is evaluated: the camera, and the
 /// channels of its filters.

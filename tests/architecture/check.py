@@ -121,6 +121,18 @@ def check_headers(root):
                 yield f"{path}:{number}: using namespace in a header"
 
 
+OPTION = re.compile(r'"(?:[^"\\]|\\.)*(?<![\w-])--[a-z]')
+
+
+def check_messages(root):
+    """Core and volumes speak of values; options belong to the command."""
+    for path in files(root, {".h", ".cpp"}):
+        if path.parts[0] in ("core", "volumes"):
+            for number, line in enumerate(lines(root, path), 1):
+                if not line.lstrip().startswith("//") and OPTION.search(line):
+                    yield f"{path}:{number}: names an option of the command: {line.strip()[:80]}"
+
+
 UNSAFE_FLAGS = re.compile(r"-ffast-math|-Ofast|-ffinite-math-only|-funsafe-math-optimizations|"
                           r"-march=native")
 
@@ -206,6 +218,7 @@ SOURCE_RULES = {
     "length": check_length,
     "paths": check_paths,
     "headers": check_headers,
+    "messages": check_messages,
     "flags": check_flags,
     "tolerances": check_tolerances,
     "shell": check_shell,

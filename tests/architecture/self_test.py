@@ -165,6 +165,13 @@ class SourceRules(unittest.TestCase):
         self.assert_bad("shell", ".ci/run", "#!/bin/bash\nif true\n", 3)
         self.assert_good("shell", "tools/x.sh", "#!/bin/bash\nlist='checks of Debian'\n")
 
+    def test_messages(self):
+        self.assert_bad("messages", "core/src/render/x.cpp", 'throw InputError("give a region (--region)");\n')
+        self.assert_bad("messages", "volumes/src/x.cpp", 'f("without --half",\n')
+        for text in ("// --region\n", 'f("a -- b");\n', "--count;\n", "f(x--, y);\n"):
+            self.assert_good("messages", "core/src/render/x.cpp", text)
+        self.assert_good("messages", "app/cli/x.cpp", 'f("--region");\n')
+
     def test_tolerances(self):
         test = "tests/core/math/x_test.cpp"
         for text in ("EXPECT_" + "NEAR(a, b, 1e-6);", "ASSERT_" + "NEAR(a, b, 1e-6);",

@@ -185,7 +185,7 @@ class White(CommandTest):
         # The part in the middle of a larger sensor.
         self.write("large.toml", camera().replace("columns = 260", "columns = 300"))
         self.fails(1, "calibrate", "white", "white.tif", "--camera", "large.toml", "-o", "b.toml",
-                   mentions=["300 x 200", "260 x 200", "--set camera.sensor.columns=260"])
+                   mentions=["300 x 200", "260 x 200", "set camera.sensor.columns=260"])
         self.assertNotIn("b.toml", self.files())
 
     def test_a_flame_can_be_added_to_the_camera(self):

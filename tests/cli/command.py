@@ -60,9 +60,11 @@ class CommandTest(unittest.TestCase):
     def fails(self, status, *arguments, mentions, **options):
         """The run ends with this status, nothing on standard output, and one line on standard error
         that has every text of `mentions`."""
-        result = self.run_command(*arguments, **options)
-        self.assertEqual(result.returncode, status, (arguments, result.stderr))
-        self.assertEqual(result.stdout or "", "", arguments)
+        self.is_failure(self.run_command(*arguments, **options), status, mentions)
+
+    def is_failure(self, result, status, mentions):
+        self.assertEqual(result.returncode, status, (result.args, result.stderr))
+        self.assertEqual(result.stdout or "", "", result.args)
         self.assertRegex(result.stderr, r"\Aplenoflame: error: [^\n]+\n\Z")
         for text in [mentions] if isinstance(mentions, str) else mentions:
             self.assertIn(text, result.stderr)

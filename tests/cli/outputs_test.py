@@ -62,6 +62,13 @@ class Outputs(CommandTest):
                 return words
             words = words + [missing[1] + "=x.none" if missing[1].startswith("-") else "x.none"]
 
+    def refused(self, words, mentions):
+        """`words`, with what else they lack, end with a message; most lack nothing."""
+        result = self.run_command(*words)
+        if " is required" in result.stderr:
+            result = self.run_command(*self.with_what_is_required(words))
+        self.is_failure(result, 2, mentions)
+
     def test_every_option_that_names_files_is_in_the_table(self):
         for name, (inputs, outputs, _), text in self.present():
             known = {LONG.get(o, o) for o in outputs} | {re.match("--[a-z-]+", i).group() for i in inputs if i.startswith("--")}
@@ -90,10 +97,9 @@ class Outputs(CommandTest):
                         long = LONG.get(output, output)
                         words = [*name.split(), given.replace("FILE", "in.file"), *rest, "%s=%s" % (long, other)]
                         with self.subTest(words=words):
-                            self.fails(2, *self.with_what_is_required(words),
-                                       mentions=[long + ": '" + other + "' is a file that this command reads"])
+                            self.refused(words, [long + ": '" + other + "' is a file that this command reads"])
                             self.assertEqual(self.read("in.file"), content)
-                        if kind == "same" and (given, output) != (inputs[0], outputs[0]):
+                        if kind == "same" and name != "render":
                             break  # the other names are resolved in the same way
 
     def test_no_output_is_another_one(self):
@@ -109,7 +115,9 @@ class Outputs(CommandTest):
                         words = [*name.split(), inputs[0].replace("FILE", "x.none"), *rest]
                         words += ["%s=%s" % pair for pair in zip(names, values)]
                         with self.subTest(words=words):
-                            self.fails(2, *self.with_what_is_required(words), mentions=["are the same file", *names])
+                            self.refused(words, ["are the same file", *names])
+                        if name != "design":
+                            break
         self.fails(2, "reconstruct", "x.none", "--images=x.none", "-o", "a.vdb", "--residual", "r.exr", "./r.exr",
                    mentions="--residual names the same file twice")
 
@@ -132,7 +140,7 @@ class Outputs(CommandTest):
             if line.split(" ")[0] not in present and " ".join(line.split()[:2]) not in present:
                 continue
             with self.subTest(line=line):
-                self.fails(2, *self.with_what_is_required(line.split()), mentions=["must end in", ending])
+                self.refused(line.split(), ["must end in", ending])
 
     def test_a_folder_that_is_merged_is_no_output(self):
         os.mkdir(self.path("set"))

@@ -131,7 +131,7 @@ std::uint64_t write_grids(const std::string& path, std::span<const GridOutput> g
     if (options.half && range && std::fmax(-range->minimum, range->maximum) > kLargestHalf)
       throw InputError(
           fmt::format("{}: grid \"{}\" has values up to {:g}, and 16 bits hold at most 65504; "
-                      "write it without --half",
+                      "write it in 32 bits",
                       path, field.name, std::fmax(-range->minimum, range->maximum)));
     if (options.stop.stop_requested()) throw Cancelled();
     const auto grid = to_openvdb(field);

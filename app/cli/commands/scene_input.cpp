@@ -103,8 +103,9 @@ SceneDocument read_scene(const std::string& path, const std::vector<std::string>
 SceneDocument parse_scene_of(const LightField& light_field, const std::string& path,
                              const std::vector<std::string>& settings) {
   // A light field is one camera's.
-  return telling_options(
-      [&] { return for_camera(parse_embedded_scene(light_field.scene_text, path, settings)); });
+  return telling_options([&] {
+    return for_camera(parse_embedded_scene(light_field.scene_text, path, settings_of(settings)));
+  });
 }
 
 SceneDocument read_scene_of(const LightField& light_field, const std::string& path,

@@ -111,7 +111,7 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   if (nominal.sensor.columns != width || nominal.sensor.rows != height)
     throw InputError(
         fmt::format("the camera's sensor has {} x {} pixels, the white picture {} x {}: where a "
-                    "part in its middle was read out, --set camera.sensor.columns={} --set "
+                    "part in its middle was read out, set camera.sensor.columns={} and "
                     "camera.sensor.rows={}",
                     nominal.sensor.columns, nominal.sensor.rows, width, height, width, height));
   ArrayFit fit;

@@ -87,9 +87,8 @@ RadiometryTable read_radiometry(const std::string& path) {
 
 std::string radiometry_text(const RadiometryTable& table) {
   std::ostringstream out;
-  out << "# What a count stands for. Written by plenoflame calibrate radiometry, read by "
-         "plenoflame\n"
-         "# import --radiometry.\n"
+  out << "# The flux that a count stands for, from a radiometric calibration. Imports of pictures "
+         "read it.\n"
       << fmt::format("columns = {}\nrows = {}\n", table.columns, table.rows);
   for (const ChannelScale& scale : table.channels) {
     std::string name;

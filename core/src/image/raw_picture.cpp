@@ -148,8 +148,8 @@ void read_raw_pictures(const std::string& path, const RawLayout& layout,
   } else {
     refuse_picture(
         path,
-        "neither TIFF, PNG, PGM nor JPEG; numbers without header need their layout (--size "
-        "WxH, --bits, --endian)");
+        "neither TIFF, PNG, PGM nor JPEG; numbers without header need their layout (size, bits "
+        "and endian)");
   }
 }
 

@@ -27,13 +27,13 @@ void check_belongs(const LightField& picture, const Scene& scene, const std::str
     throw InputError(what + " holds " + picture.unit +
                      "; a reconstruction takes fluxes in W, as render writes them, or electrons, "
                      "as develop writes them" +
-                     (picture.unit == "DN" ? " (import --unit e- or W)" : ""));
+                     (picture.unit == "DN" ? "; import the pictures in one of these units" : ""));
   if (!may_be_taken_by(picture, scene))
     throw InputError(what +
                      " does not belong to the scene: it was taken by another camera (lens, array, "
                      "focus or place differ)" +
                      (picture.texts.contains("import.pictures")
-                          ? "; import the pictures anew with this camera (import --camera)"
+                          ? "; import the pictures anew with this camera"
                           : ""));
 }
 

@@ -25,9 +25,8 @@ MergePiece read_piece(const std::string& path) {
   if (field.unit != "W" || field.scene_text.empty() || !field.numbers.contains("render.replicates"))
     throw InputError(path + ": is no picture of plenoflame render");
   if (!field.complete)
-    throw InputError(fmt::format(
-        "{}: was stopped and is not complete; go on with it first: plenoflame render --resume {}",
-        path, path));
+    throw InputError(
+        fmt::format("{}: was stopped and is not complete; resume its rendering first", path));
   const auto part = field.texts.find(kPartOfPicture);
   if (part == field.texts.end()) return piece;
   try {
@@ -133,8 +132,7 @@ void check_parts(const std::vector<MergePiece>& pieces) {
     if (a.part == b.part)
       throw InputError(
           fmt::format("{} and {} are both {} {} with seed {}, so the same rays: give one of them, "
-                      "or render one "
-                      "with another --seed",
+                      "or render one with another seed",
                       a.path, b.path, what_is(a), text_of(first.window), first.seed));
     if (a.header.samples != b.header.samples)
       throw InputError(

@@ -182,13 +182,13 @@ TEST(Cameras, LikeTakesValuesThatAreSetAsThoseOfTheFile) {
   EXPECT_EQ(middle.scene.cameras[2].sensor.fill_factor, 0.7);
   EXPECT_EQ(to_string(set({"cameras[0].sensor.fill_factor=0.5"})
                           .positions.find("cameras[2].sensor.fill_factor")),
-            "--set cameras[0].sensor.fill_factor");
+            "setting cameras[0].sensor.fill_factor");
   // Names are those that cameras have when their own turn comes.
   EXPECT_EQ(
       message_of([&] { set({"cameras.left.name=west"}); }),
       "three.toml:7:8: cameras[1].like: there is no camera \"left\" before it; known are west");
   EXPECT_EQ(message_of([&] { set({"cameras.lefft.sensor.rows=3"}); }).substr(0, 100),
-            "--set cameras.lefft.sensor.rows: cameras is a list, and none of its items is named "
+            "setting cameras.lefft.sensor.rows: cameras is a list, and none of its items is named "
             "\"lefft\"; did you ");
   EXPECT_NE(message_of([&] { set({"cameras[3].sensor.rows=3"}); }).find("there is no number 3"),
             std::string::npos);

@@ -47,7 +47,8 @@ TEST(WindowIndex, StandsInPlaceOfAGlass) {
       << both;
   EXPECT_EQ(both.find('\n'), std::string::npos);
   const std::string set = refusal(glass, {"windows[0].index=1.46"});
-  EXPECT_NE(set.find("--set windows[0].index: windows[0].index is 1.46"), std::string::npos) << set;
+  EXPECT_NE(set.find("setting windows[0].index: windows[0].index is 1.46"), std::string::npos)
+      << set;
   // A value that is set replaces the one of the file.
   const double bk7 = 1.5145;  // Schott's catalogue at 650 nm
   EXPECT_TRUE(
@@ -105,10 +106,10 @@ TEST(SceneSettings, MeanItemsByNumberOrName) {
   EXPECT_EQ(resolve_path(scene, "flames.paper-layered.layers[1].name"), "flames[0].layers[1].name");
   EXPECT_EQ(resolve_path(scene, "camera.focus.mode"), "camera.focus.mode");
   EXPECT_EQ(error({"flames.candle.scale=1"}),
-            "--set flames.candle.scale: flames is a list, and none of its items is named "
+            "setting flames.candle.scale: flames is a list, and none of its items is named "
             "\"candle\"; did you mean \"my.candle\"?; by number: flames[0] to flames[1]");
   EXPECT_EQ(error({"flames[2].scale=1"}),
-            "--set flames[2].scale: flames has 2 items, counted from 0, so there is no number 2");
+            "setting flames[2].scale: flames has 2 items, counted from 0, so there is no number 2");
   EXPECT_NE(error({"flames[0].name=my.candle", "flames[my.candle].scale=1"}).find("several items"),
             std::string::npos);
   EXPECT_NE(error({"camera.focus[0].mode=best"}).find("is not a list"), std::string::npos);
@@ -120,25 +121,26 @@ TEST(SceneSettings, MeanItemsByNumberOrName) {
 
 TEST(SceneSettings, SayWhatIsWrong) {
   EXPECT_EQ(error({"camera.focus.object_distnce=1m"}),
-            "--set camera.focus.object_distnce: there is no key \"camera.focus.object_distnce\"; "
+            "setting camera.focus.object_distnce: there is no key \"camera.focus.object_distnce\"; "
             "did you mean camera.focus.object_distance?");
   EXPECT_EQ(error({"fill_factor=0.5"}),
-            "--set fill_factor: there is no key \"fill_factor\"; did you mean "
+            "setting fill_factor: there is no key \"fill_factor\"; did you mean "
             "camera.sensor.fill_factor?");
   EXPECT_NE(error({"flames[0].positon=1m,0m,0m"}).find("did you mean flames[0].position?"),
             std::string::npos);
-  EXPECT_EQ(error({"camera.focus.object_distance"}).substr(0, 7), "--set: ");
-  EXPECT_EQ(error({"=3"}).substr(0, 7), "--set: ");
-  EXPECT_NE(error({"camera.array.pitch=1"}).find("--set camera.array.pitch: \"1\" is not a length"),
-            std::string::npos);
+  EXPECT_EQ(error({"camera.focus.object_distance"}).substr(0, 9), "setting: ");
+  EXPECT_EQ(error({"=3"}).substr(0, 9), "setting: ");
+  EXPECT_NE(
+      error({"camera.array.pitch=1"}).find("setting camera.array.pitch: \"1\" is not a length"),
+      std::string::npos);
   EXPECT_NE(error({"camera.array.pitch=2m"}).find("at most 1 m is allowed"), std::string::npos);
-  EXPECT_NE(error({"camera.preset=r13"}).find("--set camera.preset: "), std::string::npos);
+  EXPECT_NE(error({"camera.preset=r13"}).find("setting camera.preset: "), std::string::npos);
   // The place that a later message about the value names.
   SceneSettings settings;
   settings.values = {"camera.array.types.type3.index=1.7"};
   const SceneDocument document = parse_scene(kCamera, "a.toml", settings);
   EXPECT_EQ(to_string(document.positions.find("camera.array.types[2].index")),
-            "--set camera.array.types.type3.index");
+            "setting camera.array.types.type3.index");
 }
 
 TEST(SceneSettings, FNumberSetsTheStop) {
@@ -191,7 +193,7 @@ TEST(SceneSettings, OfSeveralCameras) {
             with({}).camera.sensor);
   // A path of a single camera would be of none of them.
   EXPECT_EQ(message_of([&] { with({"camera.focus.object_distance=3m"}, text); }),
-            "--set camera.focus.object_distance: the scene has several cameras; say which: "
+            "setting camera.focus.object_distance: the scene has several cameras; say which: "
             "cameras.front.focus.object_distance");
   EXPECT_NE(message_of([&] {
               with({"cameras.frint.focus.object_distance=3m"}, text);
@@ -212,7 +214,7 @@ TEST(SceneSettings, TextInsideOfAnotherFileOpensNone) {
   EXPECT_NE(message.find("scene of " + inside + ":2:8: "), std::string::npos) << message;
   EXPECT_NE(message.find("opens no file"), std::string::npos);
   // Unless it is asked for, relative to the file that holds the text.
-  EXPECT_EQ(parse_embedded_scene("", inside, {"camera.lens.file=lens.toml"})
+  EXPECT_EQ(parse_embedded_scene("", inside, {.values = {"camera.lens.file=lens.toml"}})
                 .scene.camera.lens.focal_length,
             80e-3);
   std::filesystem::remove_all(folder);

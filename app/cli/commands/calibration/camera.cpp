@@ -57,6 +57,7 @@ SceneDocument parse_with(const std::string& text, const std::string& name,
                          const std::vector<std::string>& values) {
   SceneSettings settings;
   settings.values = values;
+  settings.option = "--set";
   try {
     return parse_scene(text, name, settings);
   } catch (const InputError& error) {

@@ -16,7 +16,7 @@ struct SceneSettings {
   /// "flames[candle].position". Files are relative to the scene file. A camera gets its values
   /// before cameras that are `like` it copy it.
   std::vector<std::string> values = {};
-  std::string option = "--set";  ///< what messages call each of them
+  std::string option = "setting";  ///< what messages call each of them
   /// The text stands inside of another file, a light field: it opens no file by itself.
   bool embedded = false;
   std::string embedded_in = {};  ///< that file: relative names of files start in its folder
@@ -31,9 +31,9 @@ SceneDocument parse_scene(std::string_view text, const std::string& name,
 SceneDocument read_scene_file(const std::string& path, const SceneSettings& settings);
 
 /// The scene that a light field or another file holds as text. It opens no file unless a setting
-/// names one. @param file that holds it @param values as SceneSettings::values
+/// names one. @param file that holds it
 SceneDocument parse_embedded_scene(std::string_view text, const std::string& file,
-                                   const std::vector<std::string>& values = {});
+                                   SceneSettings settings = {});
 
 /// Replaces the names of items in a path by their numbers: "flames.candle.position" ->
 /// "flames[2].position". A path without lists stays as it is.

@@ -71,8 +71,8 @@ constexpr CameraFormatRow kFormatRows[]{
     {{"pip", "PlenopticImageProcessing: MlaDescription XML"}, is_pip, read_pip},
     {{"plenoptomos", "plenoptomos: .ini"}, is_plenoptomos, read_plenoptomos},
     {{"vox", "plenoptomos: .vox"}, is_vox, read_vox},
-    {{"hdf5", "a file of export --format hdf5: .h5"}, is_exported_hdf5, read_exported_hdf5},
-    {{"lf-toolbox", "LFToolbox, export --format view-grid: LensletGridModel, .json"},
+    {{"hdf5", "the exported format of this name: .h5"}, is_exported_hdf5, read_exported_hdf5},
+    {{"lf-toolbox", "LFToolbox, and the exported view-grid: LensletGridModel, .json"},
      is_lf_toolbox,
      read_lf_toolbox},
     {{"plenopticam", "plenopticam: .json of the white image"}, is_plenopticam, read_plenopticam},
@@ -142,7 +142,7 @@ class MissingValues {
   void report(const std::string& path) const {
     if (!list_.empty())
       throw InputError(SourcePosition{path},
-                       "values are missing that no file gives; give each with --set: " + list_);
+                       "values are missing that no file gives; set each of them: " + list_);
   }
 
  private:

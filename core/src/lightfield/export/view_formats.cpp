@@ -69,7 +69,7 @@ FirstCentre first_centre(const MicroImageGrid& grid, const PixelWindow& window) 
 void export_hci(const ExportJob& job) {
   const Views views = job.views(9);
   const int grid = static_cast<int>(std::lround(std::sqrt(views.views.size())));
-  if (grid < 2) throw InputError("the HCI format needs at least 2 x 2 views; give --grid 9");
+  if (grid < 2) throw InputError("the HCI format needs at least 2 x 2 views; give a grid of 9");
   const std::vector<Views> colours = job.colour_views(views);
   const double white = views_white(colours);
   for (std::size_t k = 0; k < views.views.size(); ++k) {
@@ -166,7 +166,7 @@ void export_hci(const ExportJob& job) {
                 "where nothing glows they hold 0 and gt_mask_lowres.png is black");
   } else {
     add("ground_truth", "none");
-    job.result.notes.push_back("no ground truth: the raw image was rendered without --truth");
+    job.result.notes.push_back("no ground truth: the raw image was rendered without its truth");
   }
   job.text("parameters.cfg", text);
 }

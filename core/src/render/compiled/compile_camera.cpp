@@ -66,8 +66,7 @@ Box region_of(const CompiledScene& scene, const CompileSettings& settings) {
                    std::max(box.upper.z, part.upper.z)};
     }
   if (box.empty())
-    throw InputError(
-        "the scene has no flame: say where later ones will be, with a region (--region)");
+    throw InputError("the scene has no flame: say where later ones will be, with a region");
   return grown(box, settings.margin);
 }
 
@@ -77,8 +76,8 @@ void check_in_front(const CompiledScene& scene, const CompiledCamera& camera) {
   const double nearest = dot(camera.anchor - front, camera.along) - half_depth(camera);
   if (!(nearest > 0))
     throw InputError(fmt::format(
-        "the region begins {:.6g} m behind the front of the camera's lens: give one that lies in "
-        "front of it (--region, --margin)",
+        "the region begins {:.6g} m behind the front of the camera's lens: give a region and a "
+        "margin that lie in front of it",
         -nearest));
 }
 
@@ -180,7 +179,7 @@ CompiledCamera compile_camera(const CompiledScene& scene, const CompileSettings&
   if (camera.nodes == 0)
     throw InputError(
         "no pixel sees the region that the camera is compiled for: give a region or a window that "
-        "it looks at (--region, --window)");
+        "it looks at");
   return camera;
 }
 

@@ -108,7 +108,7 @@ void check_region(const CompiledCamera& camera, const Box& box, const std::strin
   if (beyond > 1e-6 * length(region.upper - region.lower))
     throw InputError(fmt::format(
         "{}: {} reaches {:.3g} mm beyond the region that it was compiled for; compile the "
-        "camera with a larger one (--region, --margin)",
+        "camera with a larger region or margin",
         name, what, 1e3 * beyond));
 }
 

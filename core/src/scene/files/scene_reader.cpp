@@ -267,10 +267,8 @@ class Reader {
       fail(*node, path + ".file is " + type_name(*node) + ", but it must be the name of a file");
     if (toml.contains("preset")) fail(*node, path + " has both a preset and a file; leave one out");
     if (reading_.closed)
-      fail(*node,
-           path +
-               ".file: a scene inside of another file opens no files; give the file with --set " +
-               path + ".file=" + *name + "");
+      fail(*node, path + ".file: a scene inside of another file opens no files; set " + path +
+                      ".file=" + *name + " anew");
     const auto slash = scene_.file.rfind('/');
     const std::string folder = name->starts_with('/') || slash == std::string::npos
                                    ? ""

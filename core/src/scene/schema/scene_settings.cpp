@@ -249,9 +249,7 @@ void apply_settings_of_camera(SceneInReading& reading, std::size_t number) {
 }
 
 SceneDocument parse_embedded_scene(std::string_view text, const std::string& file,
-                                   const std::vector<std::string>& values) {
-  SceneSettings settings;
-  settings.values = values;
+                                   SceneSettings settings) {
   settings.embedded = true;
   settings.embedded_in = file;
   return parse_scene(text, "scene of " + file, settings);

@@ -10,7 +10,7 @@ constexpr SchemaTable kTableRows[] = {
      "The main lens: surfaces, or a thin ideal lens. `preset` names a prescription below. `file` "
      "reads one from a file, relative to the scene. It is TOML with this table, sequential Zemax "
      "(`.zmx`), or four columns in mm as pbrt has them (`.dat`, `.txt`). `f_number` replaces the "
-     "diameter of the stop. Written scenes and `info --scene` have the diameter.",
+     "diameter of the stop. Written scenes have the diameter.",
      true, PresetKind::lens},
     {"camera.lens.distortion",
      "Distortion of the main lens: an invertible map of the rays in front of it. Without this "
