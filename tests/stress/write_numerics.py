@@ -23,11 +23,12 @@ import tempfile
 
 HEAD = """# Numerical accuracy
 
-This page shows the largest errors of the formulas for extreme values, over all instruction sets. It also shows how often the stated error of
-a picture holds. `ninja -C build/release numerics` makes it from `tests/stress`; the tests fail if an error exceeds its bound.
+This page shows the largest errors of the formulas for extreme values, and how often the stated error of a picture holds.
+`ninja -C build/release numerics` makes it from the stress suite (`tests/stress`). The tests fail if an error exceeds its bound.
 
-References share no code with the formulas. Units stand in brackets; "ulp" is one unit in the last place of the exact value. Two numbers are
-single, then double precision.
+Each error is the largest of all cases and instruction sets. A reference shares no code with the formula that it tests. The unit of an
+error stands in brackets; "ulp" is one unit in the last place of the exact value. Rows with two numbers have single precision first, then
+double precision.
 """
 
 
@@ -37,8 +38,10 @@ ORDER = """
 The flame fills a cube of 16 mm. Its temperature varies around 1500 K by 300 K (sines and a ramp), its absorption by half. Five oblique
 rays cross it; the source function is sigma T^4.
 
-- *Quadrature* (full lines): two nodes per cell, against adaptive quadrature of the same trilinear fields. It is of fourth order.
-- *Grid* (broken lines): trilinear interpolation, against the smooth flame. It is of second order, and limits the accuracy.
+- *Quadrature* (full lines): error of two nodes per cell, against adaptive quadrature of the same trilinear fields. It is of fourth order.
+- *Grid* (broken lines): error of trilinear interpolation, against the smooth flame. It is of second order, and limits the accuracy.
+
+Grey lines have the exact slopes.
 
 ![Relative error against spacing](images/voxel-order.png)
 
@@ -124,21 +127,21 @@ def line_of(cells):
 def table(rows):
     """A line for each case: rows that differ in precision share one, of several that differ in nothing but place the worst counts."""
     cases = {}
-    for case, reference, worst, _bound, _at in rows:
+    for case, reference, worst, bound, _ in rows:
         precision = re.search(r", (single|double)(?=[ ,])", case)
         name = case.replace(precision[0], "", 1) if precision else case
         found = cases.setdefault((name, reference), {})
         key = precision[1] if precision else ""
-        if key not in found or float(worst) > float(found[key]):
-            found[key] = worst
+        if key not in found or float(worst) > float(found[key][0]):
+            found[key] = (worst, bound)
     references = list(dict.fromkeys(reference for _, reference in cases if not reference.startswith("none")))
     text = f"References: {'; '.join(references)}.\n\n" if references else ""
-    text += line_of(["case", "largest error"]) + "|---|---|\n"
+    text += line_of(["case", "largest error", "bound"]) + "|---|---|---|\n"
     for (name, _), found in cases.items():
         order = [key for key in ("single", "double", "") if key in found]
         if len(order) == 1 and order[0]:
             name = re.sub(r"( \[[^\]]*\])?$", f", {order[0]}\\1", name, count=1)
-        text += line_of([name, "; ".join(found[key] for key in order)])
+        text += line_of([name, *("; ".join(found[key][i] for key in order) for i in (0, 1))])
     return text.rstrip("\n")
 
 
