@@ -74,10 +74,10 @@ def main():
                      f"{100 * found['truth_emission_error']:.1f} | {temperature} | {100 * found['truth_temperature_error']:.1f} |\n")
             print(rows.splitlines()[-1], flush=True)
     section = f"""{TITLE}
-`tools/reconstruction_views.py`: the same flame as the slice's, as an ellipsoid of {2 * SEMI_AXES[0]} x {2 * SEMI_AXES[1]} x \
-{2 * SEMI_AXES[2]} mm in {SHELLS} exact shells, 1 m away from cameras like those of `examples/ring-of-six.toml`, 100 x 180 pixels,
-with the noise of a sensor of 20000 electrons; voxels are counted along the longest side, {options.rays} rays a pixel and
-microlens. Errors in per cent, beside those of one slice with the best strength by the truth at 30 and 20 dB.
+`tools/reconstruction_views.py` uses the flame of the slice, as an ellipsoid of {2 * SEMI_AXES[0]} x {2 * SEMI_AXES[1]} x \
+{2 * SEMI_AXES[2]} mm in {SHELLS} exact shells. Cameras like those of `examples/ring-of-six.toml`, 1 m away, have 100 x 180 pixels and a
+sensor of 20000 electrons. Voxels are counted along the longest side, with {options.rays} rays a pixel and microlens. Errors in per
+cent stand beside those of one slice with the best strength by the truth at 30 and 20 dB.
 
 Asked of six cameras: less than 8 % of emission and 1.5 % of temperature. With 64^3 voxels noise has more room, and emission misses it.
 

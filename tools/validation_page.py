@@ -18,8 +18,8 @@ from reconstruction_views import TITLE
 
 INTRODUCTION = """# Validation of the reconstruction
 
-This page compares the program with published inverse problems, and with other programs. The tests in `tests/validation` compute the
-numbers and fail outside the given tolerance. `tools/validation_page.py` writes the page.
+This page compares the program with published inverse problems and other programs. The tests in `tests/validation` compute the
+numbers and fail outside the tolerance. `tools/validation_page.py` writes the page.
 """
 
 
@@ -60,10 +60,9 @@ CASES = {
 printed argument lacks a normalisation; here it is divided by H. Tolerance 1e-6, relative.
 
 The source claims that a camera with one focus has smaller errors than one with three. This is not confirmed. The camera sees 40 of
-the 10 x 10 rings. Our data are from 40 x 40 rings along other rays, and LSQR stops at the best iteration by the truth. The mean temperature
-errors of four draws of noise are 12.4 % (one focus) and 12.2 % (three) at 30 dB, and 12.8 % (both) at 20 dB.
-`CaseA.OneFocusErrsAsThree` tests a quarter of the sensor with a rendered picture and blocks of 4 x 4 pixels. The errors are 12.5 % (both) at
-30 dB and 12.8 % (both) at 20 dB. The bars of the source's figure cannot be read, so the size of its difference is unknown.""", None),
+the 10 x 10 rings. Our data are from 40 x 40 rings along other rays, and LSQR stops at the best iteration by the truth. Mean temperature
+errors of four draws of noise are 12.4 % (one focus) and 12.2 % (three) at 30 dB, 12.8 % (both) at 20 dB. `CaseA.OneFocusErrsAsThree` tests a
+quarter of the sensor: 12.5 and 12.8 % (both). The bars of the source's figure are unreadable, so the size of its difference is unknown.""", None),
     "CaseB": Case("Cylinder with a hot ring: chords",
                   """Radiance [W/(m^3 sr)] of a cylinder of 20 mm radius with T = 900 + 1200 exp(-(3 (r^2/R^2 + z^2/H^2) - 0.9)^2) K. Five
 chords in the heights 40, 100 and 160 mm pass the axis at 0 or 10 mm. They are computed for kappa = 8 and 30 1/m, at 610 and 650 nm.
@@ -74,22 +73,20 @@ Tolerance 1e-6, relative.""", None),
                   """80 rings with self-absorption, 1 % noise, second differences: RMS error over the peak. The error has to be below 0.04, and at least twice
 as large if trapping is ignored.""", ("",)),
     "CaseE": Case("Smallest possible errors of temperature and absorption",
-                  """Cramer-Rao bounds: relative standard deviations in per cent, means of the rings above 1400 K. A cylinder has equal rings. The first
-number of a case is the number of temperatures (T), the second that of absorptions (kappa); wavelengths [nm] follow. There are 60 chords with
-noise of 1 % of each channel's peak. Columns are for a true absorption of 8 and 30 1/m. Tolerance 3 % and half a unit of the last printed
-figure.""", ("kappa at 8 per m", "T at 8 per m", "kappa at 30 per m", "T at 30 per m")),
+                  """Cramer-Rao bounds: relative standard deviations in per cent, means of the rings above 1400 K. A cylinder has equal rings. A case gives the
+numbers of temperatures (T) and absorptions (kappa), and the wavelengths [nm]. There are 60 chords with noise of 1 % of each channel's peak.
+The true absorption is 8 or 30 1/m. Tolerance 3 % and half a unit of the last printed figure.""", ("kappa at 8 per m", "T at 8 per m", "kappa at 30 per m", "T at 30 per m")),
     "CaseF": Case("Rings from one camera",
                   """The hot ring's slice at 60 mm, 60 chords in 11 directions, least squares without a penalty, mean of 200 draws of noise. Errors are
 relative: emission in the 2-norm, temperature as a mean weighted by emission. The optimum lies at 20 rings for 30 dB. The source does not
-give its weights of the temperatures in full, so temperatures are not tested. At 10 rings they differ by a factor of two.""",
+give all weights of its temperatures, so these are not tested. At 10 rings they differ by a factor of two.""",
                   ("30 dB emission", "20 dB emission", "30 dB temperature", "20 dB temperature")),
     "CaseG": Case("One slice without symmetry",
                   """30 x 30 nodes, x >= 0, first differences, the best strength of whole decades by the truth. One camera is not enough with any method.
 Errors are relative. Tolerance: 15 % for one draw of noise, and half a unit of the last printed figure.
 
-At 20 dB our mean errors of six draws exceed the source's by 12 % with six cameras and by 17 % with twelve. Single draws scatter by 7 %. If
-the noise is relative to the RMS over all 60 positions, dark ones included, the differences are -1 and 3 %. The source seems to use this
-definition.""", ("30 dB emission", "20 dB emission")),
+At 20 dB our mean errors of six draws exceed the source's by 12 % with six cameras and by 17 % with twelve. Single draws scatter by 7 %. With
+noise relative to the RMS over all 60 positions, dark ones included, the differences are -1 and 3 %. The source seems to use this definition.""", ("30 dB emission", "20 dB emission")),
     "ExportedMatrix": Case("The matrix in other programs",
                            """The matrix of a camera with microlenses is exported and solved by SciPy's lsqr (damped) and nnls and by a sparse QR (Eigen). The
 numbers are relative differences between their solutions and ours. Tolerance 1e-6.""", None),
