@@ -15,7 +15,7 @@ constexpr int kRadii = 500, kAzimuths = 16;
 /// Smallest ratio of areas that is accepted: a map that folds soon after cannot be inverted
 /// accurately.
 constexpr double kLeastArea = 0.15;
-constexpr double kInverseAccuracy = 1e-12;  ///< relative tolerance after the last step
+constexpr double kInverseAccuracy = 1e-12;  ///< relative, after kSteps steps
 
 /// Factor of u from the radial terms, and its derivative by r^2.
 struct Radial {

@@ -8,7 +8,7 @@
 #include "plenoflame/render/render.h"
 #include "plenoflame/scene/compile.h"
 
-/// Error against run time: what `plenoflame bench` measures.
+/// Error against run time, as `plenoflame bench` measures it.
 namespace plenoflame {
 
 /// A converged light field of a scene, with standard errors.

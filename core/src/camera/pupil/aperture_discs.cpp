@@ -14,7 +14,7 @@ constexpr double kDiscSafety = 1.2e-3;  ///< of the radius: margin of the far ap
 constexpr double kDiscRounding = 1e-5;  ///< of the near one, which is known exactly
 constexpr int kDiscSteps = 16;          ///< sensor points from which apertures are sampled
 constexpr int kFitSteps = 4;            ///< steps of the fit of the far aperture
-constexpr double kTracedRoom = 1.3;     ///< factor on a gap at traced edges
+constexpr double kTracedRoom = 1.3;     ///< factor on the excess of traced edges over the disc
 /// Step beyond an edge, as a share of its distance. The surface that blocks the ray there owns the
 /// edge.
 constexpr double kBeyond = 1e-4;

@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// Half the sensor's diagonal [m].
+/// Half the sensor's diagonal, plus the reach of the sensor's blur [m].
 double field_radius(const Camera& camera);
 
 /// Distance by which a decentred or tilted main lens displaces its field over array and sensor [m].

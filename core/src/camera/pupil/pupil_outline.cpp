@@ -16,7 +16,8 @@ double quick_length(Vec2 v) {
 
 constexpr int kScan = 32;        ///< distances sampled along an azimuth
 constexpr int kBisections = 10;  ///< halvings of a step between two of them
-constexpr double kRingRadii[] = {0.2, 0.4, 0.6, 0.75, 0.88, 0.95, 1.0};  ///< of the disc's
+/// Radii of the rings, as shares of the disc's radius.
+constexpr double kRingRadii[] = {0.2, 0.4, 0.6, 0.75, 0.88, 0.95, 1.0};
 constexpr double kSlack = 0.001;  ///< share of the bound by which ends are moved outwards
 
 /// From coordinates along and across an azimuth.

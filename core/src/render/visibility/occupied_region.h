@@ -49,8 +49,8 @@ class OccupiedRegion {
   double planes_[2] = {0, 0};
   Vec2 lower_, upper_;  ///< corners of the raster, camera x, y [m]
   Vec2 scale_;          ///< cells per metre
-  /// Lower bounds of distances from any point of a cell to the nearest lit cell, and to the nearest
-  /// dark cell, for each of the kSide^2 cells [m].
+  /// Lower bounds of the distance from any point of a cell to the nearest lit or dark cell [m].
+  /// Each has kSide^2 entries.
   std::vector<double> to_lit_, to_dark_;
 };
 
