@@ -34,7 +34,7 @@ inline constexpr int kWindowVertex = -6;
 /// A ray from the sensor to the first solid surface of the scene, through the scene, or to its end
 /// in the camera. A ray from an object point runs the other way.
 struct RayPath {
-  int column = 0, row = 0;  ///< pixel; -1, -1: it misses the sensor
+  int column = 0, row = 0;  ///< pixel; -1, -1: it does not arrive on the sensor
   LensIndex lens;           ///< microlens; (0, 0) without array, or when it reaches none
   int type = -1;            ///< of the microlens; -1: none
   TraceStatus status;

@@ -177,7 +177,7 @@ class Explorer {
   const Camera& camera_;
   int type_;
   double outwards_ = 0;  ///< shift of the micro-image's centre per distance from the axis
-  double farthest_ = 0;  ///< [m] largest distance from that centre with light
+  double farthest_ = 0;  ///< [m] from that centre; no light arrives beyond
   std::vector<PupilTracer::Request> requests_;
   PupilTable table_;
 };

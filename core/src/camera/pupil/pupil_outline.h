@@ -22,7 +22,7 @@ class PupilOutline {
                const ApertureDiscs& discs);
 
   bool dark() const { return dark_; }
-  /// Distances of the onset of vignetting by the stop, without margins.
+  /// Onset and cutoff of vignetting by the stop, without margins [m].
   const std::array<double, PupilCuts::kAzimuths>& opens() const { return opens_; }
   const std::array<double, PupilCuts::kAzimuths>& closes() const { return closes_; }
   /// The cuts at steps from opens to closes, which may be wider than those of the outline itself.

@@ -134,8 +134,8 @@ class TableMaker {
         camera_(camera.misaligned() ? camera.aligned() : camera),
         type_(type),
         tracer_(camera_, type) {
-    // Micro-images are displaced outwards from their lenses; lenses a little beyond the sensor
-    // matter.
+    // Micro-images are displaced outwards from their lenses, so lenses a little beyond the sensor
+    // do not matter.
     const double h_max =
         field_radius(camera_) + 2 * longest_pitch(camera_.spec().array) + field_shift(given_);
     const std::size_t nodes = field_nodes(camera_, h_max);

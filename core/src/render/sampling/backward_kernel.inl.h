@@ -242,16 +242,16 @@ PLENOFLAME_INLINE void place_own_discs(const KernelFrame<Real>& c, Real sx, Real
   far_q = shift * beside;
 }
 
-/// Makes PupilAims of SensorSamples and PupilExtents, mostly in the same memory. Rays start at a
-/// point inside the part of the aperture that sees the scene. They lead in all directions, as far
-/// as its bounds.
+/// Makes PupilAims of SensorSamples and PupilExtents, mostly in the same memory. The inner
+/// point is inside the part of the aperture that sees the scene. Aim points are in all directions
+/// from it, as far as the bounds of this part.
 ///
-/// The bounds are four discs. Two are the apertures of the microlens. The part's extent
-/// along the line through the frame's centre ends at `low` and `high`. The other two discs pass
-/// through these ends and are centred on that line. Directions are those of a unit disc that is
-/// stretched to the part's length and width. Sides of apertures bound the part, too. If nothing
-/// else cuts them, directions are evenly spread along the edge of the polygon. Directions of a disc
-/// would have larger weights, and more noise, towards its corners.
+/// The bounds are four discs. Two are the apertures of the microlens. The part's extent along the
+/// line through the frame's centre ends at `low` and `high`. The other two discs pass through these
+/// ends and are centred on that line. Directions are those of a unit disc that is stretched to the
+/// part's length and width. Sides of apertures bound the part, too. If nothing else cuts them,
+/// directions follow the edge of the polygon, evenly in the area that they sweep. Directions of a
+/// disc would have larger weights, and more noise, towards its corners.
 ///
 /// The code uses two loops: a single one is too long for the processor to look ahead to the next
 /// rays.
