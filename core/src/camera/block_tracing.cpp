@@ -121,7 +121,8 @@ KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidT
   const Vec3 reference{0, 0, camera.has_array() ? camera.array_front() : camera.aim_plane(0)};
   Mat3 out = axes.rotation;
   if (camera.lens_moved()) {
-    // Rays enter the frame of the lens before it, and leave it together with that of the camera.
+    // Rays enter the lens frame in front of the lens. Behind it they leave this frame and the
+    // camera frame in one step.
     const RigidTransform to_lens = camera.lens_pose().inverse();
     kernel.moved = true;
     set_matrix(to_lens.rotation, kernel.lens_turn);
@@ -144,7 +145,8 @@ void set_tilt(const Camera& camera, int type, Vec2 place, KernelMicrolens<Real>&
   const Mat3& turn = camera.array_pose().rotation;
   kernel.tilted = true;
   set_matrix(transpose(turn), kernel.turn);
-  // The array's aim plane is where turn * (x, y, aim - front) goes, around the front's middle.
+  // The array's aim plane is the image of turn * (x, y, aim - front), about the middle of its
+  // front.
   const double back = camera.aim_plane(type) - camera.array_front();
   const Vec3 normal{turn.rows[0].z, turn.rows[1].z, turn.rows[2].z};
   const double depth = (back - normal.x * place.x - normal.y * place.y) / normal.z;
@@ -189,7 +191,7 @@ std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera) {
     kernel.cover_index = cover;
     if (camera.ideal_array()) {
       kernel.kind = 2;
-      // Afterwards z counts from the array's front, as for real microlenses.
+      // From here on z counts from the front of the array, as for real microlenses.
       kernel.ideal = {0,
                       static_cast<Real>(lens.front_principal - camera.array_front()),
                       static_cast<Real>(1.0 / lens.first_order.focal_length),

@@ -19,8 +19,9 @@ struct CameraKernels {
 template <class Real>
 CameraKernels<Real> camera_kernels(Isa isa);
 
-/// The main lens as the kernels trace it. @param anchor [m] camera frame: rays end in its plane and
-/// are relative to it, along the axes that `axes` turns those of the camera into
+/// The main lens as the kernels trace it. Rays end in the plane of the anchor. Their positions are
+/// relative to it, along axes that result from turning the camera's axes by `axes`.
+/// @param anchor [m] camera frame
 /// @throws InputError when the lens has more surfaces than the kernels hold
 template <class Real>
 KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidTransform& axes);
@@ -30,12 +31,12 @@ KernelCamera<Real> kernel_camera(const Camera& camera, Vec3 anchor, const RigidT
 template <class Real>
 void set_tilt(const Camera& camera, int type, Vec2 place, KernelMicrolens<Real>& kernel);
 
-/// Makes the kernel of a type that of one lens of an array with tolerances: its own focal length,
-/// place and tilt.
+/// Turns the kernel of a type into the kernel of one lens of an array with tolerances, with its own
+/// focal length, place and tilt.
 template <class Real>
 void set_lens(const Camera& camera, LensIndex lens, KernelMicrolens<Real>& kernel);
 
-/// One for each type of microlens, or one of kind 0 without array.
+/// One kernel for each type of microlens; without array a single one of kind 0.
 template <class Real>
 std::vector<KernelMicrolens<Real>> kernel_microlenses(const Camera& camera);
 

@@ -35,7 +35,7 @@ Camera::Camera(const CameraSpec& spec, std::vector<std::string>* warnings)
   if (!spec_.lens.distortion.none()) place_distortion();
 }
 
-/// @throws InputError when the map cannot be undone somewhere in the picture
+/// @throws InputError when the map is not invertible somewhere in the picture
 void Camera::place_distortion() {
   distortion_ = LensDistortion(spec_.lens.distortion, -lens_first_order_.entrance_pupil);
   constexpr int kPlaces = 96;  // along the sensor's border
@@ -148,8 +148,8 @@ const LensSystem& Camera::microlens_system(LensIndex lens, LensSystem& own) cons
   return own;
 }
 
-/// Through the faces of a real microlens, in the array's frame about its centre. What lies outside
-/// of an aperture with sides ends at the first face that it meets there.
+/// Traces a ray through the faces of a real microlens, in the array's frame about its centre. A ray
+/// outside of an aperture with sides ends at the first face where it meets them.
 TraceStatus Camera::pass_faces(LensIndex lens, bool to_scene, Ray& ray, std::vector<Vec3>* points,
                                double& passed) const {
   LensSystem own;
@@ -202,7 +202,7 @@ double Camera::through_cover(Vec3 direction) const {
   return index > 1 ? plate_transmission(index, std::fabs(direction.z)) : 1;
 }
 
-/// Through the surfaces of a real main lens, in its frame.
+/// Traces a ray through the surfaces of a real main lens, in its frame.
 TraceStatus Camera::trace_surfaces(Ray& ray, bool to_scene, std::vector<Vec3>* points,
                                    PassedLight* passed, int& pupil_part) const {
   std::vector<Vec3> met;
@@ -249,7 +249,8 @@ std::optional<Vec2> Camera::at_stop(Vec2 sensor_point, LensIndex lens, Vec2 aim)
   if (path.status.status == RayStatus::missed) return std::nullopt;
   const RigidTransform to_lens = lens_pose_.inverse();
   if (ideal_lens()) {
-    // From the ray that left: height at the front principal plane, slope by the power.
+    // The ray that left the lens gives the height at the front principal plane, and the power its
+    // slope.
     if (path.status.status != RayStatus::reached && path.status.surface != 0) return std::nullopt;
     const Vec3 p = to_lens.point(path.exit.origin), d = to_lens.direction(path.exit.direction);
     const Vec2 height{p.x, p.y};
@@ -314,7 +315,8 @@ void Camera::place_array() {
                                    : 0.0);
   if (!(gap > 0))
     throw InputError("camera.array.sensor_distance puts the sensor inside the microlenses");
-  // From here on the spec says where the sensor is, so that cameras made of it stand alike.
+  // The spec now holds the sensor's true distance, so that cameras made from it have the same
+  // distances.
   array.sensor_distance += array.spacing_error;
   sensor_ = array_back_ - gap - array.spacing_error;
   array.spacing_error = 0;
@@ -388,7 +390,7 @@ Camera::Path Camera::trace(Vec2 sensor_point, std::optional<LensIndex> lens, Vec
   return path;
 }
 
-/// As if the main lens had no distortion.
+/// Traces a ray as if the main lens had no distortion.
 Camera::Path Camera::trace_inside(Vec2 sensor_point, std::optional<LensIndex> lens, Vec2 aim,
                                   bool with_points) const {
   Path path;

@@ -1,4 +1,4 @@
-// Data of the vector kernels that take rays through the camera, and their entry points for every
+// Data of the vector kernels that trace rays through the camera, and their entry points for every
 // instruction set.
 #pragma once
 
@@ -8,21 +8,22 @@
 
 namespace plenoflame {
 
-/// Rays traced together. What is worked on stays in the second cache; half as many would stay in
-/// the first one, but what is done once a block, and half empty vectors at its end, take longer.
+/// Number of rays that are traced together. Their data fit into the second-level cache. Half as
+/// many rays would fit into the first level, but fixed costs per block and partly filled vectors at
+/// its end take longer.
 inline constexpr int kBlockRays = 1024;
-inline constexpr int kBlockSlack = 16;  ///< generation may write this far beyond
+inline constexpr int kBlockSlack = 16;  ///< entries that the generation may write beyond
 
-/// The map of LensDistortion, as the kernels use it.
+/// The map of LensDistortion in the kernels.
 template <class Real>
 struct KernelDistortion {
   bool present;
-  Real pupil_gap;     ///< from the last reference plane to that of the entrance pupil
-  Real per_distance;  ///< 1 / distance from there to the plane that stays sharp
+  Real pupil_gap;     ///< from the last reference plane to the plane of the entrance pupil
+  Real per_distance;  ///< 1 / distance from the entrance pupil to the plane that stays sharp
   Real k1, k2, k3, p1, p2;
-  Real limit2;  ///< square of the largest direction that can be undone
+  Real limit2;  ///< square of the largest direction with an inverse
 };
-inline constexpr int kDistortionSteps = 8;  ///< of Newton's method
+inline constexpr int kDistortionSteps = 8;  ///< steps of Newton's method
 
 /// The optics between the aim plane and the scene.
 template <class Real>
@@ -34,32 +35,32 @@ struct KernelCamera {
   KernelShape<Real> shapes[kMaxLensSurfaces];
   bool refracts[kMaxLensSurfaces];       ///< false: a plane without index step
   int surface_number[kMaxLensSurfaces];  ///< counted from the scene, for status codes
-  bool fresnel;                          ///< weights fall by what surfaces reflect
+  bool fresnel;                          ///< weights decrease by the reflection at surfaces
   KernelCoating<Real> coatings[kMaxLensSurfaces];
-  int stop;              ///< which of the surfaces, in their order here
-  Real per_stop_radius;  ///< [1/m] of the stop, or of what stands for it in an ideal lens
-  bool moved;            ///< whether the main lens is decentred or tilted
+  int stop;              ///< index of the stop among the surfaces, in their order here
+  Real per_stop_radius;  ///< [1/m] of the stop, or of its substitute in an ideal lens
+  bool moved;            ///< true if the main lens is decentred or tilted
   Real lens_turn[9];     ///< moved: camera to lens axes, row major
-  Real lens_shift[3];    ///< moved: of the origin, applied after the turn
+  Real lens_shift[3];    ///< moved: shift of the origin, applied after the turn
   KernelDistortion<Real> distortion;
   Real exit_gap;            ///< from the last reference plane to the anchor's plane
   Real rotation[9];         ///< camera to world, row major
-  Real anchor_x, anchor_y;  ///< of the anchor, camera frame
+  Real anchor_x, anchor_y;  ///< position in the camera frame
 };
 
-/// One microlens type, or none (kind 0: rays start freely at the aim plane).
+/// One microlens type, or none (kind 0: rays start without a microlens at the aim plane).
 template <class Real>
 struct KernelMicrolens {
   int kind;                         ///< 0 none, 1 real, 2 ideal
   KernelSurface<Real> surfaces[2];  ///< back, front
   KernelIdealLens<Real> ideal;
-  KernelPolygon<Real> aperture;  ///< of both faces, beside the circles around it
+  KernelPolygon<Real> aperture;  ///< sides of both faces, inside of the circles around them
   int surface_number[2];
   Real distance;  ///< sensor to aim plane
   bool fresnel;   ///< its faces reflect
   KernelCoating<Real> coatings[2];
   Real cover_index;  ///< of the sensor's cover glass; 0: none
-  bool tilted;       ///< with the array: the rest holds then
+  bool tilted;       ///< tilted with the array: the members below apply
   Real turn[9];      ///< camera to array axes, row major
   Real front;        ///< from the aim plane to the front vertices, along the array's axis
   Real depth;        ///< z of the lens' place in its aim plane, from the front of the array
@@ -69,10 +70,10 @@ struct KernelMicrolens {
 template <class Real>
 struct KernelBlock {
   Real *x, *y, *z, *dx, *dy, *dz, *weight;
-  Real* scratch[2];  ///< for the making of rays
+  Real* scratch[2];  ///< buffers for the generation of rays
   int* code;
-  /// Places where rays cross the stop, in its radii, in the frame of the main lens; nullptr where
-  /// nobody asks.
+  /// Points where rays cross the stop, in units of its radius, in the frame of the main lens;
+  /// nullptr if they are not needed.
   Real *stop_x = nullptr, *stop_y = nullptr;
 };
 

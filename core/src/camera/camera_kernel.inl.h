@@ -1,4 +1,4 @@
-// Vector kernels that take blocks of rays through the camera; compiled once per instruction set.
+// Vector kernels that trace blocks of rays through the camera; compiled once per instruction set.
 #include "camera/camera_kernel.h"
 
 #include "optics/reflection_kernel.h"
@@ -7,7 +7,7 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// Turns places and directions by a matrix, then moves the places.
+/// Rotates positions and directions by a matrix, then shifts the positions.
 template <class Real>
 PLENOFLAME_INLINE void turn_rays(const Real* matrix, bool back, Real sx, Real sy, Real sz,
                                  int count, const KernelBlock<Real>& block, int first) {
@@ -32,7 +32,7 @@ PLENOFLAME_INLINE void turn_rays(const Real* matrix, bool back, Real sx, Real sy
   }
 }
 
-/// Directions of a block in front of a surface that reflects.
+/// Keeps the directions of a block in front of a reflecting surface.
 template <class Real>
 struct Directions {
   Real x[kBlockRays + kBlockSlack], y[kBlockRays + kBlockSlack], z[kBlockRays + kBlockSlack];
@@ -46,9 +46,8 @@ struct Directions {
   }
 };
 
-/// Takes from the weights what a surface reflected, by the directions on both sides: Snell's law
-/// says that before * d_before - behind * d_behind is along the normal, whatever the surface's
-/// shape.
+/// Reduces the weights by the reflected light, from the directions on both sides. By Snell's law,
+/// before * d_before - behind * d_behind is along the normal, for any shape of the surface.
 template <class Real>
 PLENOFLAME_INLINE void lose_reflected(const KernelCoating<Real>& coating,
                                       const Directions<Real>& before, int first, int count,
@@ -89,7 +88,7 @@ PLENOFLAME_INLINE void pass_cover(Real index, int first, int count,
   }
 }
 
-/// In two loops: both in one are too long for a processor to look ahead to the next rays.
+/// Uses two loops: a single one is too long for the processor to look ahead to the next rays.
 template <class Real>
 PLENOFLAME_INLINE void pass_sphere(const KernelSurface<Real>& surface, int number, int first,
                                    int count, const KernelBlock<Real>& block) {
@@ -150,7 +149,7 @@ PLENOFLAME_INLINE void pass_stop(const KernelSurface<Real>& surface, int number,
   }
 }
 
-/// Ends rays of the block that are outside of an aperture with sides. @param surface of the status
+/// Ends rays of the block outside of an aperture with sides. @param surface number for the status
 template <class Real>
 [[gnu::noinline]] void clip(const KernelPolygon<Real>& aperture, int surface, int first, int count,
                             const KernelBlock<Real>& block) {
@@ -169,7 +168,7 @@ template <class Real>
   }
 }
 
-/// The same in the aim plane of ideal microlenses, to which tilted rays have still to go.
+/// The same in the aim plane of ideal microlenses, to which tilted rays are moved first.
 template <class Real>
 [[gnu::noinline]] void clip_in_plane(const KernelPolygon<Real>& aperture, int surface, int first,
                                      int count, const KernelBlock<Real>& block) {
@@ -237,8 +236,8 @@ PLENOFLAME_INLINE void pass(const KernelMicrolens<Real>& lens, Real lens_x, Real
   }
 }
 
-/// The same for a lens of an array that may be tilted: in the axes of the array, about the middle
-/// of the lens in its aim plane.
+/// The same for a lens of an array that may be tilted. It works in the axes of the array, about the
+/// middle of the lens in its aim plane.
 template <class Real>
 PLENOFLAME_INLINE void pass_turned(const KernelMicrolens<Real>& lens, Real lens_x, Real lens_y,
                                    int first, int count, const KernelBlock<Real>& block) {
@@ -256,7 +255,7 @@ PLENOFLAME_INLINE void pass_turned(const KernelMicrolens<Real>& lens, Real lens_
   turn_rays(lens.turn, true, lens_x, lens_y, lens.depth, padded, block, first);
 }
 
-/// Through a surface that is no sphere: all rays take one step of Newton's method after the other.
+/// Traces rays through an aspheric surface; all rays do each step of Newton's method together.
 template <class Shape, class Real>
 PLENOFLAME_INLINE void pass_shape(const KernelSurface<Real>& surface, const Shape& shape,
                                   int number, int count, const KernelBlock<Real>& block) {
@@ -294,7 +293,7 @@ PLENOFLAME_INLINE void pass_shape(const KernelSurface<Real>& surface, const Shap
   }
 }
 
-/// Keeps the places where rays have just passed the stop.
+/// Stores where rays have just passed the stop.
 template <class Real>
 [[gnu::noinline]] void keep_stop_crossing(const KernelCamera<Real>& camera, int count,
                                           const KernelBlock<Real>& block) {
@@ -305,8 +304,7 @@ template <class Real>
   }
 }
 
-/// Keeps the places where rays that come to an ideal lens cross what stands for its stop
-/// (pass_ideal()).
+/// Stores where rays that reach an ideal lens cross the substitute of its stop (pass_ideal()).
 template <class Real>
 [[gnu::noinline]] void keep_pupil_crossing(const KernelCamera<Real>& camera, int count,
                                            const KernelBlock<Real>& block) {
@@ -320,8 +318,8 @@ template <class Real>
   }
 }
 
-/// Bends rays that have left the lens by its distortion (LensDistortion::to_scene()); they then
-/// count from the plane of the entrance pupil.
+/// Bends rays that have left the lens by its distortion (LensDistortion::to_scene()). Their
+/// positions then refer to the plane of the entrance pupil.
 template <class Real>
 [[gnu::noinline]] void distort(const KernelDistortion<Real>& distortion, int count,
                                const KernelBlock<Real>& block) {
@@ -418,7 +416,8 @@ PLENOFLAME_INLINE void trace(const KernelCamera<Real>& camera, int count,
              r6 = camera.rotation[6], r7 = camera.rotation[7], r8 = camera.rotation[8];
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
-    // A ray that ended in the camera goes on along the axis, with no weight: always a valid ray.
+    // A ray that ended in the camera continues along the axis with weight 0, so that it stays
+    // valid.
     const bool alive = code[i] == 0;
     const Real vx = alive ? dx[i] : Real(0), vy = alive ? dy[i] : Real(0),
                vz = alive ? dz[i] : Real(1);

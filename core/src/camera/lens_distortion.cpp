@@ -9,14 +9,15 @@
 namespace plenoflame {
 namespace {
 
-/// Tangent of the widest direction that is looked at, 79 degrees from the axis.
+/// Tangent of the largest direction that is checked, 79 degrees from the axis.
 constexpr double kWidest = 5;
 constexpr int kRadii = 500, kAzimuths = 16;
-/// Least share of an area that is left: a map that folds soon after has no digits to invert.
+/// Smallest ratio of areas that is accepted: a map that folds soon after cannot be inverted
+/// accurately.
 constexpr double kLeastArea = 0.15;
-constexpr double kInverseAccuracy = 1e-12;  ///< relative, of so many steps from far away
+constexpr double kInverseAccuracy = 1e-12;  ///< relative, after kSteps steps
 
-/// Factor of u by the radial terms, and its derivative by r^2.
+/// Factor of u from the radial terms, and its derivative by r^2.
 struct Radial {
   double factor, slope;
 };
@@ -25,7 +26,7 @@ Radial radial(const DistortionSpec& d, double r2) {
   return {1 + r2 * (d.k1 + r2 * (d.k2 + r2 * d.k3)), d.k1 + r2 * (2 * d.k2 + r2 * 3 * d.k3)};
 }
 
-/// The derivative of the map: symmetrical.
+/// The derivative of the map, a symmetrical matrix.
 struct Derivative {
   double xx, xy, yy;
   double determinant() const { return xx * yy - xy * xy; }
@@ -38,8 +39,8 @@ Derivative derivative(const DistortionSpec& d, Vec2 u) {
           factor + 2 * u.y * u.y * slope + 6 * d.p1 * u.y + 2 * d.p2 * u.x};
 }
 
-/// cos^4 of the angle with the axis: solid angle times projected area over area times the area of
-/// slopes.
+/// cos^4 of the angle with the axis. It is the ratio of solid angle times projected area to area
+/// times the area of slopes.
 double cosine4(Vec2 slope) {
   const double secant2 = 1 + dot(slope, slope);
   return 1 / (secant2 * secant2);
@@ -120,7 +121,7 @@ void LensDistortion::restrict_to(double limit) {
 
 double LensDistortion::largest_bend(double reach) const {
   constexpr int kRings = 32;
-  constexpr double kBetween = 1.05;  // for what lies between the places that are looked at
+  constexpr double kBetween = 1.05;  // margin for directions between the samples
   double largest = 0;
   for (int i = 1; i <= kRings; ++i)
     for (int k = 0; k < kAzimuths; ++k) {
@@ -128,7 +129,7 @@ double LensDistortion::largest_bend(double reach) const {
       const double radius = std::min(reach, limit_) * i / kRings;
       const Vec2 v{radius * std::cos(angle), radius * std::sin(angle)};
       if (const auto u = undistorted(v)) largest = std::max(largest, length(*u - v));
-      // Directions outside may be longer than inside: both ends of the map.
+      // Outer directions may be longer than inner ones, so both ends of the map count.
       const Vec2 image = distorted(v);
       if (length(image) <= limit_) largest = std::max(largest, length(image - v));
     }
@@ -167,7 +168,7 @@ bool LensDistortion::to_scene(Ray& ray) const {
 bool LensDistortion::to_lens(Ray& ray, double& ratio) const {
   const Vec2 p = place_at(ray, pupil_), outer = slope_of(ray);
   const Vec2 u = outer + per_distance_ * p, v = distorted(u);
-  // Beyond the fold of the map directions come back to what is within the limit.
+  // Beyond the fold of the map, directions return to values within the limit.
   if (!(length(v) <= limit_) || !(derivative(spec_, u).determinant() > 0)) return false;
   const auto back = undistorted(v);
   if (!back || !(length(*back - u) <= 1e-6 * (1 + length(u)))) return false;

@@ -8,8 +8,8 @@
 namespace plenoflame {
 namespace {
 
-/// The number of a lens for a counter-based generator: its draws are the same whatever else is
-/// asked for.
+/// The number of a lens for a counter-based generator. The draws of a lens do not depend on the
+/// order of queries.
 std::uint64_t number_of(LensIndex lens) {
   return (std::uint64_t{static_cast<std::uint32_t>(lens.q)} << 32) |
          static_cast<std::uint32_t>(lens.r);
@@ -55,7 +55,7 @@ MicrolensLattice::MicrolensLattice(const ArraySpec& array)
 Vec2 MicrolensLattice::centre(LensIndex lens) const {
   const Vec2 place =
       offset_ + static_cast<double>(lens.q) * step_q_ + static_cast<double>(lens.r) * step_r_;
-  // The offset says where lens (0, 0) is.
+  // The offset gives the exact position of lens (0, 0).
   return jitter_ > 0 && !(lens == LensIndex{}) ? place + displacement(lens) : place;
 }
 
@@ -83,7 +83,7 @@ Vec2 MicrolensLattice::axial(Vec2 point) const {
           (step_q_.x * p.y - step_q_.y * p.x) / determinant};
 }
 
-/// Rows of a hexagonal lattice begin at the camera's y axis or half a pitch right of it.
+/// Rows of a hexagonal lattice begin at the camera's y axis or half a pitch to its right.
 int MicrolensLattice::column(LensIndex lens) const {
   return hexagonal_ ? lens.q + floor_half(lens.r) : lens.q;
 }
@@ -98,8 +98,8 @@ bool MicrolensLattice::has(LensIndex lens) const {
 LensIndex MicrolensLattice::nearest(Vec2 point) const {
   const LensIndex place = nearest_place(point);
   if (has(place)) return place;
-  // Beyond an edge. In each of the rows next to where the point is, or of the last ones, the lens
-  // that stands across from it, or the row's end.
+  // The point is beyond an edge. Candidates are in the rows next to the point, or in the last rows.
+  // In each row the candidate is the lens opposite the point, or the end of the row.
   LensIndex best;
   double best_distance = kInfinity;
   const auto clamped = [](int number, int count) {
@@ -110,7 +110,7 @@ LensIndex MicrolensLattice::nearest(Vec2 point) const {
   for (int dr = -kAround; dr <= kAround; ++dr)
     for (int dc = -kAround; dc <= kAround; ++dc) {
       const int r = clamped(clamped(place.r, rows_) + dr, rows_);
-      // `across` counts from the axis; the first column of every second row stands at a half.
+      // `across` counts from the axis; the first column of every second row is at one half.
       const double start = hexagonal_ ? 0.5 * (r & 1) : 0.0;
       const int c = clamped(static_cast<int>(std::floor(across - start + 0.5)) + dc, columns_);
       const LensIndex lens{c - (hexagonal_ ? floor_half(r) : 0), r};
@@ -128,7 +128,7 @@ LensIndex MicrolensLattice::nearest_place(Vec2 point) const {
   const int q = static_cast<int>(std::floor(a.x)), r = static_cast<int>(std::floor(a.y));
   LensIndex best;
   double best_distance = kInfinity;
-  // A displaced lens may be nearest although its place is not one of the four around the point.
+  // A displaced lens may be nearest although its node is not among the four around the point.
   const int margin = jitter_ > 0 ? 1 : 0;
   for (int dr = -margin; dr <= 1 + margin; ++dr)
     for (int dq = -margin; dq <= 1 + margin; ++dq) {

@@ -10,8 +10,8 @@ SensorSpec resolved_levels(SensorSpec sensor) {
   const double largest = std::ldexp(1.0, sensor.bits) - 1;
   const double room = kReadNoiseRoom * sensor.read_noise;
   if (!(sensor.black_level > 0)) {
-    // With a gain that is to fill the range, (largest - black) * gain = full well and black * gain
-    // >= room at once. Numbers are rounded, which gives half a digital number of room.
+    // If the gain fills the range, (largest - black) * gain = full well and black * gain >= room
+    // hold together. Rounding adds half a digital number of room.
     const double numbers =
         sensor.gain > 0 ? room / sensor.gain : room * largest / (sensor.full_well + room);
     sensor.black_level =
@@ -34,7 +34,7 @@ double dark_pixel_excess(const SensorSpec& sensor) {
   const double step = levels.gain / sensor.read_noise;
   const double room = (levels.black_level * levels.gain + dark) / sensor.read_noise;
   const auto below = [](double z) { return 0.5 * std::erfc(z / std::sqrt(2.0)); };
-  // Fine steps: the sum is the midpoint rule of an integral, phi(z) - z Phi(-z).
+  // For fine steps the sum is the midpoint rule of an integral, phi(z) - z Phi(-z).
   if (step < 0.1) {
     const double density = std::exp(-0.5 * room * room) / std::sqrt(2 * std::numbers::pi);
     return sensor.read_noise * (density - room * below(room));

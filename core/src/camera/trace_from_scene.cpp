@@ -6,7 +6,6 @@
 namespace plenoflame {
 namespace {
 
-/// The place where a line meets the plane z.
 Vec2 at_plane(const Ray& ray, double z) {
   const double t = (z - ray.origin.z) / ray.direction.z;
   return {ray.origin.x + t * ray.direction.x, ray.origin.y + t * ray.direction.y};
@@ -21,8 +20,8 @@ Ray inwards(Vec2 at, double z, Vec2 slope) {
   return {{at.x, at.y, z}, -normalize({slope.x, slope.y, 1})};
 }
 
-/// cos^4 of the angle with the axis. The paraxial transform conserves dA d(slope)^2; solid angle
-/// times projected area is cos^4 of that.
+/// cos^4 of the angle with the axis. The paraxial transform conserves dA d(slope)^2; the product of
+/// solid angle and projected area is cos^4 times that.
 double cos4(Vec2 slope) {
   const double tangent2 = dot(slope, slope);
   return 1 / ((1 + tangent2) * (1 + tangent2));
@@ -52,7 +51,7 @@ TraceStatus Camera::trace_main_lens_inwards(Ray& ray, Arrival& arrival,
   return trace_aligned_lens_inwards(ray, arrival, points);
 }
 
-/// In the frame of the main lens.
+/// Traces in the frame of the main lens.
 TraceStatus Camera::trace_aligned_lens_inwards(Ray& ray, Arrival& arrival,
                                                std::vector<Vec3>* points) const {
   if (!ideal_lens()) {
@@ -116,13 +115,13 @@ TraceStatus Camera::pass_microlens(LensIndex lens, Ray ray, Arrival arrival,
   return status;
 }
 
-/// Takes a ray from the main lens through every microlens that it may meet. @return whether it met
-/// one, even if it ended there; `status` is that of the last one tried
+/// Traces a ray from the main lens through every microlens that it may meet. @return true if it met
+/// one, even if it ended there; `status` is that of the last microlens tried
 bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
                               std::vector<Arrival>& arrivals, TraceStatus& status,
                               std::vector<Vec3>* points) const {
   const Ray ray = to_array(in_camera);
-  // The layer of space in which the front faces (or principal planes) lie.
+  // The layer of space that contains the front faces (or principal planes).
   const double radius = aperture_.radius();
   double high = -kInfinity, low = kInfinity;
   for (const Microlens& lens : microlenses_) {
@@ -139,10 +138,10 @@ bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
     attempted.clear();
     const TraceStatus tried =
         pass_microlens(lens, ray, arrival, arrivals, points ? &attempted : nullptr);
-    // Whatever gets beyond the front aperture belongs to this lens, even when it ends there.
+    // A ray that passes the front aperture belongs to this lens, even if it ends there.
     const bool entered = tried.status == RayStatus::reached ||
                          tried.status == RayStatus::total_internal_reflection || tried.surface > 0;
-    if (entered || !on_a_lens) {  // the status and the points of one and the same lens
+    if (entered || !on_a_lens) {  // status and points belong to the same lens
       status = tried;
       if (!on_a_lens) behind = attempted;
     }
@@ -150,7 +149,7 @@ bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
   };
   const LensIndex nearest = lattice_.nearest(a);
   if (nearest == lattice_.nearest(b)) {
-    attempt(nearest);  // cells are convex: so is everything between
+    attempt(nearest);  // cells are convex: the whole path is in one cell
   } else {
     const double reach = longest_pitch(spec_.array);
     for (const LensIndex lens :
@@ -164,7 +163,7 @@ bool Camera::meet_microlenses(const Ray& in_camera, const Arrival& arrival,
 
 bool Camera::passes_between(const Ray& ray) const {
   const Vec3 away = ray.direction.z > 0 ? ray.direction : -ray.direction;
-  // Back from well in front of the array.
+  // Starts well in front of the array.
   const double ahead = (array_front_ + longest_pitch(spec_.array) - ray.origin.z) / away.z;
   std::vector<Arrival> arrivals;
   TraceStatus status;
@@ -199,7 +198,7 @@ TraceStatus Camera::trace_from_scene(const Ray& from_scene, std::vector<Arrival>
     arrival.sensor_point = at_plane(ray, sensor_);
     arrival.etendue_ratio *= through_cover(ray.direction);
     arrivals.push_back(arrival);
-    if (points) {  // of the attempts nothing counts
+    if (points) {  // discards the points of all attempts
       points->resize(in_front);
       points->push_back({arrival.sensor_point.x, arrival.sensor_point.y, sensor_});
     }

@@ -12,7 +12,7 @@
 namespace plenoflame {
 namespace {
 
-/// A film without sums, for its tiles.
+/// A film without sums, used for its tiling.
 Film tiles_of(const PixelWindow& window, int replicates) {
   return {window, 1, replicates};
 }
@@ -35,7 +35,7 @@ void copy(const Image& from, const PixelWindow& of, const PixelWindow& pixels,
                 to.pixels.data() + index(window, pixels.x, row));
 }
 
-/// The same of all images of a light field.
+/// Copies the pixels of all images of a light field.
 void copy(const LightField& from, const PixelWindow& pixels, LightField& to) {
   for (std::size_t c = 0; c < to.channels.size(); ++c) {
     copy(from.channels[c].flux, from.window, pixels, to.window, to.channels[c].flux);
@@ -46,7 +46,8 @@ void copy(const LightField& from, const PixelWindow& pixels, LightField& to) {
     copy(from.layers.at(name), from.window, pixels, to.window, image);
 }
 
-/// A picture of one seed. The samples that its files state go to the merged picture's text.
+/// Assembles a picture of one seed. The samples that its files state go to the merged picture's
+/// text.
 LightField make_mosaic(const std::vector<std::vector<MergePiece>>& windows,
                        const PixelWindow& window, const std::stop_token& stop) {
   LightField all = windows.front().front().header;
@@ -54,7 +55,7 @@ LightField make_mosaic(const std::vector<std::vector<MergePiece>>& windows,
   all.texts.erase(kPartOfPicture);
   all.texts.erase(kTileSamples);
   const bool single = windows.size() == 1;
-  bool differs = false;  // samples, from window to window
+  bool differs = false;  // samples differ between windows
   if (!single) all.texts.erase("frame.run");
   for (const auto& parts : windows)
     for (const MergePiece& piece : parts) {
@@ -92,7 +93,7 @@ class Mean {
 
   void add(const LightField& picture) {
     const int replicates = replicates_of(picture);
-    // A picture that says nothing of its tiles has the same samples everywhere.
+    // A picture without an entry for its tiles has the same samples everywhere.
     std::vector<double> samples = tile_samples_of(picture, replicates, tiles_.tile_count());
     sums_.resize(picture.channels.size());
     for (std::size_t c = 0; c < sums_.size(); ++c) {
@@ -122,13 +123,13 @@ class Mean {
         });
       }
     picture.samples = samples_;
-    // The number of replicates whose scatter would be as well known.
+    // The number of replicates whose scatter would be known equally well.
     picture.numbers["render.replicates"] = freedom_ + 1;
   }
 
  private:
   struct Sums {
-    std::vector<double> flux, variance;  ///< times samples, and its variance
+    std::vector<double> flux, variance;  ///< flux times samples, and its variance
   };
 
   template <class Use>
@@ -150,11 +151,11 @@ class Mean {
   }
 
   Film tiles_;
-  std::vector<Sums> sums_;  ///< of each channel
+  std::vector<Sums> sums_;  ///< one per channel
   double freedom_ = 0, samples_ = 0;
 };
 
-/// The energy is the sum over the picture: it is made anew, as render() sums it.
+/// The energy is the sum over the picture; it is computed as render() does.
 void put_energy(LightField& picture) {
   const auto time = picture.numbers.find("exposure.time");
   const auto energy = picture.numbers.find("exposure.energy");

@@ -17,7 +17,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::size_t kMostNamed = 8;  ///< parts in one message
+constexpr std::size_t kMostNamed = 8;  ///< parts named in one message
 
 MergePiece read_piece(const std::string& path) {
   MergePiece piece{path, read_light_field_header(path), {}};
@@ -41,8 +41,8 @@ std::string text_of(const PixelWindow& w) {
   return fmt::format("{},{},{},{}", w.x, w.y, w.width, w.height);
 }
 
-/// The first key in which the scenes differ, but for defaults of the run: of those the pictures
-/// themselves say what was taken.
+/// The first key in which the scenes differ. Defaults of a run are ignored, since the pictures
+/// state the values that were used.
 std::optional<SceneDifference> scene_difference(const MergePiece& a, const MergePiece& b) {
   if (a.header.scene_text == b.header.scene_text) return std::nullopt;
   const std::set<std::string> defaults{"render.estimator", "render.samples", "render.seed"};
@@ -53,7 +53,7 @@ std::optional<SceneDifference> scene_difference(const MergePiece& a, const Merge
   return std::nullopt;
 }
 
-/// Figures and texts that are not the same in all parts of a picture.
+/// Numbers and texts that may differ between the parts of a picture.
 bool may_differ(const std::string& key) {
   const std::set<std::string> keys{"exposure.energy", "frame.run", kTileSamples, kPartOfPicture,
                                    kMergedPicture};
@@ -154,9 +154,9 @@ bool overlap(const PixelWindow& a, const PixelWindow& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-/// A pixel of `all` that none of the windows holds.
+/// A pixel of `all` that no window contains.
 std::pair<int, int> bare_pixel(const PixelWindow& all, const std::vector<PixelWindow>& windows) {
-  // Something else can begin where a window begins or ends.
+  // Coverage can change only where a window begins or ends.
   std::set<int> columns{all.x}, rows{all.y};
   for (const PixelWindow& w : windows) {
     columns.insert({w.x, w.x + w.width});
@@ -173,7 +173,7 @@ std::pair<int, int> bare_pixel(const PixelWindow& all, const std::vector<PixelWi
   return {all.x, all.y};
 }
 
-/// The rectangle that the windows of a seed make up.
+/// The rectangle that the windows of a seed cover.
 PixelWindow whole_of(const std::vector<std::vector<MergePiece>>& pieces) {
   std::vector<PixelWindow> windows;
   for (const auto& parts : pieces) windows.push_back(parts.front().header.window);

@@ -18,7 +18,7 @@ namespace plenoflame {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kWait = 500us;  ///< between two looks for messages
+constexpr auto kWait = 500us;  ///< interval of checks for messages
 
 RenderSettings settings_from(const RankSettings& sent) {
   RenderSettings settings;
@@ -41,7 +41,7 @@ class Inbox {
   Inbox(Communicator& ranks, Film& film, const std::stop_token& stop)
       : ranks_(ranks), film_(film), stop_(stop) {}
 
-  /// Waits for a tile; none when the pass has ended.
+  /// Waits for a tile; none if the pass has ended.
   std::optional<TileJob> next() {
     for (;; std::this_thread::sleep_for(kWait)) {
       const std::lock_guard lock(mutex_);
@@ -93,7 +93,7 @@ char serve_pass(const TileWork& work, Film& film, Communicator& ranks, const Exe
   ranks.send(0, std::move(ready));
   RenderStatistics statistics;
   Execution working = execution;
-  working.stop = {};  // the inbox ends it: rank 0 must hear of it
+  working.stop = {};  // the inbox ends it, since rank 0 needs the answer
   work([&] { return inbox.next(); }, working, film, statistics,
        [&](const TileJob& job, double rays) {
          std::string bytes(1, kTileDone);
@@ -123,7 +123,7 @@ RankMessage wait_for_message(Communicator& ranks) {
 bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
                   const RankMessage& begin, Communicator& ranks, const Execution& execution) {
   std::optional<RenderSettings> settings;
-  std::optional<BackwardShared> shared;  ///< not by a compiled camera
+  std::optional<BackwardShared> shared;  ///< unused with a compiled camera
   bool is_ready = false, by_camera = false;
   Film film;
   const auto fail = [&](const std::string& what) {

@@ -63,7 +63,7 @@ double solve_index(const MicrolensShape& shape, double power) {
   const double a = s - t, b = s - 2 * t + power;
   const double root = b * b + 4 * a * t;
   if (!(root >= 0) || a == 0) return NAN;
-  // The root that is n = 1 + power / S for a thin lens.
+  // The root that becomes n = 1 + power / S for a thin lens.
   return (b + std::copysign(std::sqrt(root), a)) / (2 * a);
 }
 
@@ -84,7 +84,7 @@ double solve_thickness(const MicrolensShape& shape, double power) {
   return (s - power / m) * shape.index / m * shape.radius_front * shape.radius_back;
 }
 
-/// Squared diameter of the disc of the same RMS radius; NaN when no ray gets through.
+/// Squared diameter of a disc with the same RMS radius as the image; NaN when no ray gets through.
 class MicrolensBlur {
  public:
   MicrolensBlur(const MicrolensShape& s, double gap, double diameter)
@@ -99,8 +99,8 @@ class MicrolensBlur {
   double operator()(double vergence) const {
     double n = 0, squares = 0;
     for (int i = 0; i < kRays; ++i) {
-      // Aimed at points of the front face. The object stands 1 / vergence - front principal plane
-      // in front of the vertex; its reciprocal has no infinities.
+      // Rays are aimed at points of the front face. The object is 1 / vergence - front principal
+      // plane in front of the vertex; the reciprocal stays finite for distant objects.
       const double height = radius_ * std::sqrt((i + 0.5) / kRays);
       const double depth = rim_sag(surfaces_.front().radius, height);
       const double inverse = vergence / (1 - vergence * (front_principal_ - depth));
@@ -171,7 +171,7 @@ std::optional<SharpRange> traced_depth_of_field(const MicrolensShape& shape, dou
                                {-shape.radius_back, 0, 1, diameter, false}});
   const double b = gap - lens.rear_principal;
   const double focus = 1 / lens.focal_length - 1 / b, width = 2 * pixel / (diameter * b);
-  // The blur's square is nearly quadratic in the vergence: golden section for its least value.
+  // The squared blur is nearly quadratic in the vergence; golden section finds its minimum.
   double low = focus - 3 * width, high = focus + 3 * width;
   constexpr double kGolden = 0.61803398874989485;
   for (int i = 0; i < 90; ++i) {
@@ -213,7 +213,7 @@ std::vector<SolvedType> solve_array(const ArraySpec& array, double pixel, int co
     type.shape =
         types.empty() ? shape : solve_microlens(shape, target, array.diameter, freedom, limits);
     type.rule = depth_of_field(target, b, array.diameter, pixel);
-    // A thicker lens grows towards the scene: the sensor stays where it is.
+    // A thicker lens grows towards the scene; the sensor does not move.
     type.traced = traced_depth_of_field(type.shape, gap, array.diameter, pixel);
     types.push_back(type);
   }

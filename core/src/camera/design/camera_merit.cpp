@@ -48,7 +48,7 @@ class Resolution {
         const double traced = traced_resolution(tracers_[k](distance), pixel);
         ratio = std::isnan(traced) ? 0 : traced;
       }
-      // Nearer than the total covering plane not every type sees every point.
+      // Nearer than the total covering plane, some types do not see every point.
       const double depth = std::fabs(a) / types_[k].sensor_distance;
       best = std::max(best, ratio * std::min(1.0, depth / 2));
     }

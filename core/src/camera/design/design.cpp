@@ -38,7 +38,7 @@ TypeDesign type_design(const Camera& camera, const Microlens& lens, double pixel
   type.focal_length = lens.first_order.focal_length;
   type.sensor_distance = lens.sensor_distance;
   type.f_number = type.sensor_distance / diameter;
-  // The angle under which the exit pupil stands, seen from the front principal plane.
+  // The angle of the exit pupil, seen from the front principal plane.
   const double pupil_slope =
       std::isfinite(main.exit_pupil)
           ? main.exit_pupil_diameter / (camera.exit_pupil() - lens.front_principal)
@@ -52,7 +52,7 @@ TypeDesign type_design(const Camera& camera, const Microlens& lens, double pixel
     return paraxial_object_distance(main, camera.rear_vertex() - (lens.front_principal + a));
   };
   type.object = {object(type.array.near), object(type.array.focus), object(type.array.far)};
-  // The array's distance from the image of what is infinitely far, in dioptres as the range is.
+  // Distance of the array from the image of an infinitely far object, in dioptres like the range.
   const double infinite =
       1 / (camera.rear_vertex() - lens.front_principal - main.back_focal_distance);
   type.object_through_infinity = 1 / type.array.far < infinite && infinite < 1 / type.array.near;
@@ -62,7 +62,7 @@ TypeDesign type_design(const Camera& camera, const Microlens& lens, double pixel
   return type;
 }
 
-/// Distance between the centres of neighbouring micro-images over that of the lenses.
+/// Ratio of the distance of neighbouring micro-images to that of their lenses.
 double sensor_scale(const Camera& camera) {
   const double pupil = camera.exit_pupil();
   return std::isfinite(pupil) ? (pupil - camera.sensor()) / (pupil - camera.array_back()) : 1;
@@ -101,7 +101,7 @@ ViewDesign view_design(const Camera& camera, const CameraDesign& d) {
   const FirstOrder& lens = d.lens;
   const double magnification = std::fabs(paraxial_magnification(lens, d.object_distance));
   const double image = paraxial_image_distance(lens, d.object_distance);
-  // From the exit pupil, or in units of it when it is infinitely far.
+  // Distance from the exit pupil, or in units of it when it is infinitely far.
   const bool telecentric = !std::isfinite(lens.exit_pupil);
   const double to_image = image - lens.exit_pupil;
   const double to_array = camera.lens_distance() - lens.exit_pupil;
@@ -113,7 +113,7 @@ ViewDesign view_design(const Camera& camera, const CameraDesign& d) {
   return views;
 }
 
-/// Says where a type is less sharp for real rays than it should be, and what spoils it.
+/// Notes the types that are less sharp for real rays than they should be, and the cause.
 void compare_blur(const Camera& camera, double pixel, CameraDesign& design) {
   for (std::size_t k = 0; k < design.types.size(); ++k) {
     const TypeDesign& type = design.types[k];
@@ -178,7 +178,7 @@ SharpRange depth_of_field(double f, double b, double diameter, double pixel) {
 }
 
 double paraxial_object_distance(const FirstOrder& lens, double image_distance) {
-  // Newton: the distances from the focal points multiply to f^2.
+  // Newton's equation: the product of the distances from the focal points is f^2.
   const double beyond = image_distance - lens.back_focal_distance;
   return -lens.front_focal_distance + lens.focal_length * lens.focal_length / beyond;
 }
@@ -190,20 +190,21 @@ SpotDesign best_spot(const std::vector<SurfaceSpec>& surfaces, double object_dis
   const double last = system.vertices().back();
   const double paraxial = paraxial_image_distance(lens, object_distance);
   const bool infinite = std::isinf(object_distance);
-  // The entrance pupil stands at z = -entrance_pupil; real ones differ: aim wider.
+  // The paraxial entrance pupil is at z = -entrance_pupil. Real pupils differ, so rays are aimed
+  // wider.
   const double pupil_z = -lens.entrance_pupil, pupil = 0.65 * lens.entrance_pupil_diameter;
   const double start_z = infinite ? std::max(0.0, pupil_z) + lens.focal_length : object_distance;
   const double object_height =
       infinite ? 0 : image_height / paraxial_magnification(lens, object_distance);
   const double slope = infinite ? image_height / lens.focal_length : 0;  // dx/dz of the light
-  // Positions at the last vertex and slopes, summed for the line of centroids and the scatter.
+  // Sums of positions at the last vertex and of slopes, for the line of centroids and the scatter.
   double n = 0, x = 0, u = 0, w = 0, xx = 0, xu = 0, uu = 0, yy = 0, yw = 0, ww = 0, y = 0;
   for (int ring = 0; ring < rings; ++ring)
     for (int spoke = 0; spoke < kSpotSpokes; ++spoke) {
       const double r = pupil * std::sqrt((ring + 0.5) / rings);  // equal areas
       const double angle = 6.283185307179586 * (spoke + 0.5 * (ring % 2)) / kSpotSpokes;
       const Vec3 target{r * std::cos(angle), r * std::sin(angle), pupil_z};
-      // Light that is imaged at +x travels towards +x, i.e. x grows as z falls.
+      // Light that is imaged at +x travels towards +x, i.e. x increases as z decreases.
       const Vec3 direction = infinite ? normalize({slope, 0, -1})
                                       : normalize(target - Vec3{object_height, 0, start_z});
       if (direction.z >= 0) continue;
@@ -248,7 +249,7 @@ CameraDesign first_order_design(const Camera& camera) {
   if (!design.types.empty()) {
     std::vector<std::pair<double, double>> ranges;
     for (const TypeDesign& type : design.types) {
-      // Between a0+ and a0- in dioptres, where infinity is a place like others.
+      // The range from a0+ to a0- in dioptres, in which infinity is an ordinary value.
       const double low = 1 / type.array.far;
       ranges.emplace_back(low, low + type.dioptric_width);
       const double overlap = (type.image_diameter - array.pitch) / pixel;

@@ -25,7 +25,8 @@ double best_image_distance(const MainLensSpec& lens, double object_distance) {
   struct Behind {
     Vec2 place, slope;  ///< at the last vertex, per distance towards the sensor
   };
-  /// The axial object's ray through that place of the entrance pupil; none when it is stopped.
+  /// The ray from the object on the axis through that place of the entrance pupil; none if it is
+  /// blocked.
   const auto through = [&](Vec2 place) -> std::optional<Behind> {
     Ray ray;
     const Vec3 target{place.x, place.y, -paraxial.entrance_pupil};
@@ -42,8 +43,8 @@ double best_image_distance(const MainLensSpec& lens, double object_distance) {
     return Behind{{ray.origin.x + slope.x * way, ray.origin.y + slope.y * way}, slope};
   };
 
-  // Real pupils differ from the paraxial one, so the edge is looked for: along x, which stands for
-  // all directions where the lens is round.
+  // Real pupils differ from the paraxial one, so the code searches for the edge along x. If the
+  // lens is round, x represents all directions.
   const bool round = is_round(lens);
   const auto edge_along = [&](Vec2 direction) {
     double edge = 0, outside = kWidestPupil * paraxial.entrance_pupil_diameter;

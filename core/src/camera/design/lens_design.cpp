@@ -30,7 +30,7 @@ class FieldTracer {
     Vec2 slope;  ///< per metre towards the sensor
   };
 
-  /// Through a point of the plane of the entrance pupil.
+  /// Traces a ray through a point of the plane of the entrance pupil.
   std::optional<Arrival> arrive(Vec2 pupil) const {
     Ray ray = from(pupil);
     if (ray.direction.z >= 0 || system_.trace_to_sensor(ray).status != RayStatus::reached)
@@ -58,7 +58,7 @@ class FieldTracer {
     return {target - back * direction, direction};
   }
 
-  /// Height at the stop of the ray through `pupil`, whether it is vignetted or not.
+  /// Height at the stop of the ray through `pupil`, also if the ray is vignetted.
   std::optional<double> at_stop(double pupil) const {
     std::vector<SurfaceSpec> open = system_.surfaces();
     for (SurfaceSpec& surface : open) surface.diameter = kInfinity;
@@ -72,7 +72,7 @@ class FieldTracer {
     return path[stop].x;
   }
 
-  /// The ray through the middle of the stop, by secants.
+  /// Finds the ray through the middle of the stop by the secant method.
   void find_chief() {
     double a = 0, b = 1e-3 * lens_.entrance_pupil_diameter;
     auto at_a = at_stop(a), at_b = at_stop(b);
@@ -90,7 +90,7 @@ class FieldTracer {
   double object_distance_, image_, slope_, chief_ = 0;
 };
 
-/// Share of a square grid over the pupil's plane that gets through, as an area [m^2].
+/// Area [m^2] of the cells of a square grid over the pupil's plane whose rays pass.
 double open_area(const FieldTracer& tracer, double pupil) {
   constexpr int kGrid = 40;
   const double reach = 1.3 * pupil, step = 2 * reach / kGrid;
@@ -111,8 +111,8 @@ LensFieldDesign design_field(const FieldTracer& tracer, const LensDesign& lens, 
     throw InputError("no light gets through the lens at a field angle of " +
                      std::to_string(field * 180 / constants::pi) + " deg; choose a smaller one");
   result.image_height = chief->at.x;
-  // The paraxial image in this plane: the chief ray's height at the image and its slope behind the
-  // exit pupil.
+  // The paraxial image in this plane. It gives the chief ray's height at the image and its slope
+  // behind the exit pupil.
   const double paraxial = paraxial_image_distance(lens.lens, lens.object_distance);
   const double m = std::isinf(lens.object_distance)
                        ? lens.lens.focal_length

@@ -12,7 +12,7 @@ constexpr int kZones = 5;
 constexpr int kRings = 12, kSpokes = 8;
 constexpr double kNearestDepth = 0.25, kFarthestDepth = 20;  // |a| / B of a curve
 
-/// The same camera with one type everywhere: nothing moves.
+/// The same camera with a single type and without tolerances.
 CameraSpec with_one_type(const Camera& camera, std::size_t type) {
   CameraSpec spec = camera.spec();
   spec.lens.decentre = spec.lens.tilt = spec.array.tilt = {};
@@ -32,7 +32,7 @@ double object_of(const Camera& camera, const Microlens& lens, double a) {
                                   camera.rear_vertex() - (lens.front_principal + a));
 }
 
-/// NaN counts as nothing.
+/// Ignores NaN.
 double best_of(const std::vector<double>& values) {
   double best = kNan;
   for (const double value : values)
@@ -83,10 +83,10 @@ std::optional<BlurTracer::Zone> BlurTracer::zone_blur(double object_distance, do
   const auto outer = at_array(object_distance, {height + step, 0});
   const auto aside = at_array(object_distance, {height, step});
   if (!middle || !outer || !aside) return std::nullopt;
-  // The map of the pupil onto the array by the beam of the zone: aimed at one microlens with it.
+  // The beam of the zone, aimed at one microlens, maps the pupil onto the array.
   const Vec2 across = outer->place - middle->place, across_slope = outer->slope - middle->slope;
   const double scale_x = across.x / step, scale_y = aside->place.y / step;
-  // Neighbouring rays meet where the zone focuses: across the zone and along it.
+  // Neighbouring rays intersect at the focus of the zone: across the zone and along it.
   const Microlens& type = camera_.microlenses().front();
   const auto kept = [&](double width, double slope) {
     const double a = camera_.array_front() - width / slope - type.front_principal;
@@ -132,7 +132,7 @@ TracedBlur BlurTracer::operator()(double object_distance) const {
   double squares = 0, in_image = 0, growth = 0;
   int seen = 0;
   for (int k = 0; k < kZones; ++k) {
-    // The first zone is the axis itself; the others stand for equal areas around it.
+    // The first zone is the axis itself; the others represent equal areas around it.
     const std::optional<Zone> zone =
         zone_blur(object_distance, k == 0 ? 0 : std::sqrt((k + 0.5) / kZones));
     if (!zone) continue;
@@ -162,7 +162,7 @@ std::vector<ResolutionPoint> resolution_curve(const Camera& camera, int points, 
   const double ends[] = {
       object_of(camera, reference, (behind ? -kFarthestDepth : kNearestDepth) * b),
       object_of(camera, reference, (in_front ? kFarthestDepth : -kNearestDepth) * b)};
-  // Past infinity nothing can stand; far off nothing changes.
+  // Objects end at infinity, and far away nothing changes.
   const double farthest =
       20 * std::max(std::isfinite(d.object_distance) ? d.object_distance : 0, d.lens.focal_length);
   double near = kInfinity, far = 0;

@@ -9,9 +9,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kNearAxis = 1e-3;  ///< share of the pupil's radius that the rays are apart
+constexpr double kNearAxis = 1e-3;  ///< distance of the rays, as a share of the pupil's radius
 
-/// The place where two rays pass each other most closely, along the first one [m].
+/// Distance along the first ray to the point where the two rays are closest [m].
 double crossing(const Ray& a, const Ray& b) {
   const Vec3 apart = b.origin - a.origin;
   const double turned = dot(a.direction, b.direction);
@@ -22,8 +22,8 @@ double crossing(const Ray& a, const Ray& b) {
 }
 
 struct Section {
-  double t;             ///< along the first ray's stretch, to where both meet [m]
-  std::size_t stretch;  ///< in which they do
+  double t;             ///< [m] along the first ray's stretch, to the crossing of both
+  std::size_t stretch;  ///< the stretch that contains the crossing
 };
 
 std::optional<Section> meeting(const WindowPath& a, const WindowPath& b) {
@@ -41,7 +41,7 @@ WindowDesign window_design(const Camera& camera, const WindowSet& windows, doubl
                            double pupil_radius, double pupil_z) {
   WindowDesign design;
   const auto trace = [&](double x, double y) {
-    // From the plane of the front vertex on, as rays from the pupil pass it.
+    // Starts at the plane of the front vertex, where rays from the pupil cross it.
     const double share = -pupil_z / (object_distance - pupil_z);
     const double front = pupil_z < 0 ? 1 - share : 1;
     const double z = pupil_z < 0 ? 0 : pupil_z;

@@ -18,7 +18,7 @@ void refuse_calibration(const CalibrationFile& file, const std::string& message)
 }
 
 nlohmann::json read_json(const CalibrationFile& file) {
-  // Nesting is bounded before the parser, which has none, recurses.
+  // The parser recurses without a limit, so the nesting is limited before it runs.
   int depth = 0;
   for (const char c : file.text) {
     depth += c == '[' || c == '{' ? 1 : c == ']' || c == '}' ? -1 : 0;
@@ -53,7 +53,6 @@ double json_number(const CalibrationFile& file, const nlohmann::json& value,
 
 namespace {
 
-/// All that there is to know about a format.
 struct CameraFormatRow {
   CameraFormatName name;
   bool (*recognise)(const CalibrationFile& file);
@@ -92,7 +91,7 @@ std::string read_whole(const std::string& path) {
   while ((count = std::fread(part.data(), 1, part.size(), file)) > 0 &&
          text.size() <= kLargestCalibration) {
     text.append(part.data(), count);
-    // Pictures are in there, too: its readers open it by themselves.
+    // The file also holds pictures; readers of HDF5 open it themselves.
     if (text.starts_with(kHdf5Signature)) break;
   }
   const bool failed = std::ferror(file) != 0;
@@ -116,7 +115,8 @@ void take_given(double& known, double given) {
   if (given > 0) known = given;
 }
 
-/// Puts given values over those of files; before they are read, so that pixels have a size.
+/// Given values replace those of files. They are set before the files are read, which need the size
+/// of a pixel.
 void take_given(const CameraSpec& given, CameraSpec& camera) {
   take_given(camera.lens.focal_length, given.lens.focal_length);
   take_given(camera.lens.diameter, given.lens.diameter);
@@ -149,8 +149,8 @@ class MissingValues {
   std::string list_;
 };
 
-/// Places microlenses behind the grid: each is where the ray from the middle of the main lens to
-/// the middle of its micro-image goes through the array.
+/// Places microlenses behind the grid of micro-images. The ray from the middle of the main lens to
+/// the middle of a micro-image crosses the array at its microlens.
 void place_grid(const FoundGrid& grid, CameraSpec& camera) {
   ArraySpec& array = camera.array;
   const Vec2 p = camera.sensor.pixel();
@@ -158,7 +158,7 @@ void place_grid(const FoundGrid& grid, CameraSpec& camera) {
   const double shrink = distance / (distance + gap);
   array.lattice = grid.hexagonal ? Lattice::hexagonal : Lattice::square;
   const double c = std::cos(grid.rotation), s = std::sin(grid.rotation);
-  // Steps along and across the rows on the sensor, whose pixels need not be square.
+  // Steps along and across the rows on the sensor, for pixels that may be rectangular.
   const Vec2 along{grid.pitch.x * c * p.x, grid.pitch.x * s * p.y};
   const Vec2 across{-grid.pitch.y * s * p.x, grid.pitch.y * c * p.y};
   array.pitch = shrink * length(along);
@@ -171,7 +171,7 @@ void place_grid(const FoundGrid& grid, CameraSpec& camera) {
   array.offset = shrink * (centre + (gap / distance) * camera.lens.decentre);
 }
 
-/// Numbers of a damaged file may leave the range of double on their way into the camera.
+/// Values of a damaged file may overflow a double while the camera is computed.
 void check_finite(const CameraSpec& camera, const std::string& file) {
   const ArraySpec& array = camera.array;
   std::vector<double> values{camera.lens.focal_length,

@@ -72,7 +72,7 @@ bool is_plenoptic_toolbox(const CalibrationFile& file) {
   return file.text.find("<RayCalibData") != std::string::npos;
 }
 
-/// Pixels from the middle of the picture, y upwards, angles counter-clockwise.
+/// Units: pixels from the middle of the picture, y upwards, angles counter-clockwise.
 void read_plenoptic_toolbox(const CalibrationFile& file, FoundCamera& found) {
   const pugi::xml_document document = read_xml(file);
   const pugi::xml_node root = document.child("RayCalibData");
@@ -84,7 +84,7 @@ void read_plenoptic_toolbox(const CalibrationFile& file, FoundCamera& found) {
   if (!(pitch > 1)) refuse_calibration(file, "<diameter> is not above one pixel");
   grid.pitch = {pitch, pitch};
   grid.rotation = -xml_number(file, root, "rotation");
-  // The file is about its picture, whose middle is the middle of the sensor.
+  // The file describes its picture, whose middle is the middle of the sensor.
   const SensorSpec& sensor = found.camera.sensor;
   grid.origin = grid.origin + Vec2{0.5 * sensor.columns, 0.5 * sensor.rows};
   grid.types = 0;
@@ -145,7 +145,7 @@ void read_pip(const CalibrationFile& file, FoundCamera& found) {
   FoundGrid grid;
   const std::string kind = node.child_value("IsHexGrid");
   grid.hexagonal = kind.empty() || plain_number(file, kind, "<IsHexGrid>") != 0;
-  // Lens centres are scaled about the principal point to become those of micro-images.
+  // Lens centres are scaled about the principal point; this gives the centres of micro-images.
   grid.origin = principal + scale * (Vec2{lens[0] + 0.5, lens[1] + 0.5} - principal);
   grid.pitch = {scale * pitch, scale * pitch};
   grid.rotation = -xml_number(file, node, "GridRotRAD");
@@ -163,8 +163,8 @@ void read_pip(const CalibrationFile& file, FoundCamera& found) {
   if (!found.grid) found.grid = grid;
 }
 
-/// Least squares of an affine map from the numbers to the places; columns and rows of a hexagonal
-/// grid may be numbered with odd rows right or left of even ones.
+/// Fits an affine map from the numbers to the places by least squares. In a hexagonal grid, odd
+/// rows may be right or left of even ones.
 FoundGrid fit_found_grid(const CalibrationFile& file, const std::vector<NumberedCentre>& centres,
                          bool hexagonal, FoundCamera& found) {
   if (centres.size() < 6) refuse_calibration(file, "has fewer than six centres of micro-images");
@@ -194,13 +194,13 @@ FoundGrid fit_found_grid(const CalibrationFile& file, const std::vector<Numbered
     const Eigen::Vector2d along = fit.row(1).transpose(), across = fit.row(2).transpose();
     grid.rotation = std::atan2(along.y(), along.x());
     const double area = std::fabs(along.x() * across.y() - along.y() * across.x());
-    // Rows a pitch apart, times the sine of 60 degrees in a hexagonal grid.
+    // Distance of the rows: one pitch, in a hexagonal grid times the sine of 60 degrees.
     grid.pitch = {along.norm(), area / along.norm()};
     if (hexagonal) {
       const double pitch = std::sqrt(area / std::sqrt(0.75));
       grid.pitch = {pitch, pitch};
     }
-    // The centre nearest to the middle, by the fit.
+    // The origin is the centre nearest to the middle, by the fit.
     Vec2 mean;
     for (const NumberedCentre& c : centres)
       mean = mean + (1.0 / static_cast<double>(centres.size())) * c.at;
@@ -239,7 +239,7 @@ void read_plenopticam(const CalibrationFile& file, FoundCamera& found) {
     for (std::size_t i = 0; i < 4; ++i) v[i] = json_number(file, item[i], "mic_list");
     if (std::fabs(v[2]) > 1e6 || std::fabs(v[3]) > 1e6)
       refuse_calibration(file, "mic_list: an index is out of range");
-    // Pixels are centred on whole numbers there.
+    // The file has pixel centres at whole numbers.
     centres.push_back({static_cast<int>(std::lround(v[3])),
                        static_cast<int>(std::lround(v[2])),
                        {v[1] + 0.5, v[0] + 0.5}});
@@ -255,8 +255,8 @@ bool is_lf_toolbox(const CalibrationFile& file) {
   return file.text.find("\"LensletGridModel\"") != std::string::npos;
 }
 
-/// A hexagonal grid by the distance of its rows, and where its first micro-image lies; pixels count
-/// from 1 there.
+/// Reads a hexagonal grid from the distance of its rows and the position of its first micro-image.
+/// Pixels in the file count from 1.
 void read_lf_toolbox(const CalibrationFile& file, FoundCamera& found) {
   const GridJson json = read_json(file);
   if (!json.is_object() || !json.contains("LensletGridModel") ||
@@ -297,7 +297,7 @@ bool is_centre_list(const CalibrationFile& file) {
   return file.text.starts_with("k,l,u,v");
 }
 
-/// Centres of libpleno: columns and rows of the array, pixels centred on whole numbers.
+/// Reads centres of libpleno: columns and rows of the array, pixel centres at whole numbers.
 void read_centre_list(const CalibrationFile& file, FoundCamera& found) {
   std::vector<NumberedCentre> centres;
   std::size_t begin = file.text.find('\n');

@@ -9,7 +9,7 @@
 namespace plenoflame {
 namespace {
 
-/// An HDF5 identifier with its closing function; one that could not be had is negative.
+/// An HDF5 identifier with its closing function; negative if opening failed.
 class CalibrationId {
  public:
   CalibrationId(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -27,7 +27,7 @@ class CalibrationId {
 };
 
 hid_t open_quietly(const CalibrationFile& file) {
-  // HDF5 prints what went wrong by itself, unless told not to.
+  // HDF5 would otherwise print its own error messages.
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   return file.text.starts_with(kHdf5Signature)
              ? H5Fopen(file.path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT)
@@ -41,7 +41,7 @@ class Hdf5Calibration {
 
   bool opened() const { return hdf5_.there(); }
 
-  /// A text that stands at a group; empty: there is none.
+  /// The text attribute of a group; empty: there is none.
   std::string text(const char* group, const char* name) const {
     const CalibrationId made(H5Aopen_by_name(hdf5_, group, name, H5P_DEFAULT, H5P_DEFAULT),
                              H5Aclose);
@@ -66,8 +66,8 @@ class Hdf5Calibration {
     return text.substr(0, text.find('\0'));
   }
 
-  /// The numbers of a short array; empty: there is none. @throws InputError: of another count, or
-  /// not finite
+  /// The numbers of a short array; empty: there is none. @throws InputError for another count or
+  /// numbers that are not finite
   std::vector<double> numbers(const std::string& path, std::size_t count) const {
     const CalibrationId data(H5Dopen2(hdf5_, path.c_str(), H5P_DEFAULT), H5Dclose);
     if (!data.there()) return {};
@@ -100,7 +100,7 @@ void read_vox(const CalibrationFile& file, FoundCamera& found) {
   if (!hdf5.opened()) refuse_calibration(file, "is no HDF5 file, or cut off");
   const std::string root = "/instrument/camera/";
   std::map<std::string, double> values;
-  // Arrays hold what is down first, then what is across; of places x first.
+  // Arrays hold the vertical value first, then the horizontal one; positions hold x first.
   const auto take = [&](const char* path, const std::vector<const char*>& keys) {
     const std::vector<double> numbers = hdf5.numbers(root + path, keys.size());
     for (std::size_t i = 0; i < numbers.size(); ++i) values[keys[i]] = numbers[i];
@@ -116,15 +116,15 @@ void read_vox(const CalibrationFile& file, FoundCamera& found) {
   take("micro_lens/physical_size", {"micro_lens.physical_size_t", "micro_lens.physical_size_s"});
   take("micro_lens/micro_image_size", {"image_t", "image_s"});
   if (values.empty()) refuse_calibration(file, "lacks the values of /instrument/camera");
-  // Views of hexagonal arrays have pixels of another size than microlenses; the distance of
-  // micro-images is the array's pitch as seen from the main lens.
+  // In views of hexagonal arrays the pixel size differs from the size of a microlens. The distance
+  // of micro-images is the array's pitch as seen from the main lens.
   const double shrink =
       values["sensor.z"] > 0 ? values["micro_lenses_array.z"] / values["sensor.z"] : 0;
   if (values["image_t"] > 0 && values["image_s"] > 0 && shrink > 0) {
     values["micro_lens.physical_size_t"] = shrink * values["image_t"];
     values["micro_lens.physical_size_s"] = shrink * values["image_s"];
   }
-  // This program writes a length; the tool takes over what its .ini says.
+  // Plenoflame writes a length; the other tool copies the value of its .ini.
   const bool own = hdf5.text("/instrument/camera", "manufacturer") == "Plenoflame";
   take_plenoptomos(file, values, own, found);
   if (hdf5.text("/data/image", "mode") == "sub-aperture")

@@ -1,5 +1,6 @@
-/// Cameras of libpleno and COMPOTE: intrinsics.js, camera.js, params.js. Millimetres; matrices are
-/// written by columns; the origin is the thin main lens, light goes towards -z.
+/// Cameras of libpleno and COMPOTE: intrinsics.js, camera.js, params.js. Lengths are in
+/// millimetres. Matrices are stored by columns. The origin is the thin main lens, and light travels
+/// towards -z.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -54,7 +55,7 @@ class LibplenoReader {
     const Json* value = member(json_, path);
     return value ? json_number(file_, *value, joined(path)) : otherwise;
   }
-  /// A vector, which is a matrix of one column.
+  /// A vector, stored as a matrix of one column.
   std::vector<double> numbers(std::initializer_list<const char*> path, std::size_t count) const {
     const Json* value = member(json_, path);
     if (!value) return {};
@@ -102,7 +103,8 @@ class LibplenoReader {
     return result;
   }
 
-  /// The camera's axes are those of the sensor, about its middle; z stays that of the main lens.
+  /// The camera's axes are those of the sensor, about its middle; z still counts from the main
+  /// lens.
   void sensor() {
     SensorSpec& s = found_.camera.sensor;
     const auto count = [&](const char* name) {
@@ -116,7 +118,8 @@ class LibplenoReader {
     s.pixel_pitch = kMillimetre * number({"sensor", "scale"});
     if (!(s.pixel_pitch > 0)) refuse_calibration(file_, "sensor.scale is not above 0");
     const RigidTransform sensor = pose({"sensor", "pose"});
-    // Pixels are numbered from the corner with the least x and y, where the pose has its origin.
+    // Pixels are numbered from the corner with the smallest x and y, which is the origin of the
+    // pose.
     const Vec3 middle{0.5 * (s.columns - 1) * s.pixel_pitch, 0.5 * (s.rows - 1) * s.pixel_pitch, 0};
     to_camera_.rotation = transpose(sensor.rotation);
     to_camera_.translation = -(to_camera_.rotation * sensor.point(middle));
@@ -140,7 +143,7 @@ class LibplenoReader {
     lens.tilt = tilt_of(lens_pose_.rotation);
   }
 
-  /// Angles about x, then y, that turn the axis alike.
+  /// Angles about x, then y, that turn the axis as `rotation` does.
   static Vec2 tilt_of(const Mat3& rotation) {
     const Vec3 axis{rotation.rows[0].z, rotation.rows[1].z, rotation.rows[2].z};
     return {-std::asin(std::clamp(axis.y, -1.0, 1.0)), std::atan2(axis.x, axis.z)};
@@ -170,9 +173,9 @@ class LibplenoReader {
     const Mat3 turn = rotation_xyz({array.tilt.x, array.tilt.y, 0});
     const Mat3 spin = transpose(turn) * given.rotation;
     const double about = std::atan2(spin.rows[1].x, spin.rows[0].x);
-    // Columns that are aligned: a lattice whose rows are, turned by a quarter.
+    // Aligned columns are a lattice of aligned rows, turned by 90 degrees.
     array.rotation = about + (geometry == 2 ? 1.5707963267948966 : 0.0);
-    // Node (0, 0) = (0, 0, front) + turn * (x, y, 0): pivot is the front on the axis.
+    // Node (0, 0) = (0, 0, front) + turn * (x, y, 0); the pivot is the front on the axis.
     const auto in_plane = [&](Vec3 point) {
       const double a = turn.rows[0].x, b = turn.rows[0].y, c = turn.rows[1].x, d = turn.rows[1].y;
       const double determinant = a * d - b * c;
@@ -208,8 +211,8 @@ class LibplenoReader {
       found_.note("the file takes microlenses for pinholes: give a focal length for each type");
   }
 
-  /// The place of a node of the file's numbering, from node (0, 0), in pitches along the array's
-  /// axes. Even rows (or odd columns) stand half a step aside.
+  /// The position of a node of the file's numbering relative to node (0, 0), in pitches along the
+  /// array's axes. Even rows (or odd columns) are shifted by half a step.
   static Vec2 node(int geometry, int k, int l) {
     constexpr double kRow = 0.8660254037844386;
     if (geometry == 0) return {static_cast<double>(k), static_cast<double>(l)};
@@ -217,7 +220,7 @@ class LibplenoReader {
     return {kRow * k, l - (k % 2 == 0 ? 0.0 : 0.5)};
   }
 
-  /// Lens (0, 0) becomes the one nearest to the middle of the file's array.
+  /// The lens nearest to the middle of the file's array becomes lens (0, 0).
   void place_lattice(int geometry, Vec2 origin, double about) {
     ArraySpec& array = found_.camera.array;
     const int columns = std::max(1, static_cast<int>(number_or({"mla", "mesh", "width"}, 1)));
@@ -239,7 +242,7 @@ class LibplenoReader {
     check_extent(columns, rows, place);
   }
 
-  /// The type of a micro-image is numbered from the other corner than the microlens before it.
+  /// Numbers of micro-images start at the corner opposite to that of their microlenses.
   template <class Place>
   void give_types(int geometry, int k0, int l0, int columns, int rows, const Place& place) {
     ArraySpec& array = found_.camera.array;
@@ -273,8 +276,8 @@ class LibplenoReader {
                   "camera.array.columns and rows");
   }
 
-  /// Displacements of image points, in mm, whatever their depth. The scene's map is that of one
-  /// plane: of objects at the distance that was given, at dist_focus, or of what is sharp on the
+  /// The file displaces image points, in mm, for every depth. The scene's map applies to one plane.
+  /// This plane is at the given distance, at dist_focus, or at the distance that is sharp on the
   /// array.
   void distortion() {
     const auto is_given = [](const std::vector<double>& values) {
@@ -353,7 +356,7 @@ bool is_libpleno_parameters(const CalibrationFile& file) {
   return has_key(file, "q_prime") && has_key(file, "dC");
 }
 
-/// Micro-images alone: what they say of the camera beside intrinsics.js.
+/// Reads micro-image parameters: what they add to intrinsics.js about the camera.
 void read_libpleno_parameters(const CalibrationFile& file, FoundCamera& found) {
   const Json json = read_json(file);
   const auto number = [&](const char* key) {
@@ -364,7 +367,7 @@ void read_libpleno_parameters(const CalibrationFile& file, FoundCamera& found) {
   if (found.camera.lens.focal_length > 0 && f_number > 0)
     set_new(found.camera.lens.diameter, found.camera.lens.focal_length / f_number);
   set_new(found.camera.array.pitch, kMillimetre * number("dC"));
-  // m = B f / (2 D): half the stop's image at f-number 1.
+  // m = B f / (2 D): half the diameter of the stop's image at f-number 1.
   const CameraSpec& c = found.camera;
   if (m != 0 && c.array.sensor_distance > 0 && c.focus.lens_distance > 0 &&
       c.lens.focal_length > 0) {

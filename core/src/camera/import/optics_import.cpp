@@ -1,5 +1,5 @@
-/// Distances without a grid, or with one that is nominal: plenoptomos' .ini, and the models of
-/// virtual depth of Bok, Nousias and O'Brien.
+/// Distances without a grid, or with a nominal grid: plenoptomos' .ini, and the models of virtual
+/// depth of Bok, Nousias and O'Brien.
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -33,7 +33,7 @@ std::optional<double> number_in(const std::string& text) {
 
 namespace {
 
-/// Tells names of makers and models from what is read.
+/// Separates keys with numbers from names of makers and models.
 bool is_plenoptomos_number(const std::string& key) {
   constexpr std::array<std::string_view, 17> kKeys{"sensor.size_x",
                                                    "sensor.size_y",
@@ -104,7 +104,7 @@ void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, d
   set_new(sensor.columns, static_cast<int>(value("sensor.size_x")));
   set_new(sensor.rows, static_cast<int>(value("sensor.size_y")));
   set_new(sensor.pixel_pitch, positive("sensor.pixel_size_x", length("sensor.pixel_size_x")));
-  // A width that was given stands for square pixels, whatever the file's height is.
+  // A given width applies to square pixels; the file's height is then ignored.
   const double pixel_y = length("sensor.pixel_size_y");
   if (pixel_y > 0 && sensor.pixel_pitch == length("sensor.pixel_size_x") &&
       pixel_y != sensor.pixel_pitch)
@@ -113,8 +113,8 @@ void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, d
   set_new(camera.lens.focal_length, positive("main_lens.f1", f));
   const double z_array = length("micro_lenses_array.z"), z_sensor = length("sensor.z");
   if (n > 0 && f > 0) {
-    // Files hold f-numbers or diameters in mm, and do not say which: that of the two counts with
-    // which micro-images are nearer to filling their cells.
+    // Files hold f-numbers or diameters in mm without naming which. We use the reading with which
+    // micro-images are nearer to filling their cells.
     const double cell = length("micro_lens.physical_size_s");
     const double seen = z_array > 0 ? (z_sensor - z_array) / z_array : 0;
     const double by_number = f / n, as_length = kOpticsMillimetre * n;
@@ -149,7 +149,7 @@ void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, d
     array.lattice = Lattice::square;
     set_new(array.pitch, pitch);
     if (pitch_y > 0 && pitch_y != pitch && array.pitch == pitch) set_new(array.pitch_y, pitch_y);
-    // Beside the sensor's middle, as the camera's axis is.
+    // The offset is relative to the middle of the sensor, like the camera's axis.
     array.offset = {length("micro_lenses_array.x") - length("sensor.x"),
                     length("micro_lenses_array.y") - length("sensor.y")};
     camera.lens.decentre = {-length("sensor.x"), -length("sensor.y")};
@@ -162,11 +162,11 @@ void take_plenoptomos(const CalibrationFile& file, const std::map<std::string, d
 
 namespace {
 
-/// Numbers of a text: with names ("K1 = -2.1"), or without.
+/// Numbers of a text, with names ("K1 = -2.1") or without.
 struct PlainNumbers {
   std::vector<std::pair<std::string, double>> named;
   std::vector<double> bare;
-  bool other = false;  ///< it holds something else
+  bool other = false;  ///< the text holds something else
 };
 
 PlainNumbers plain_numbers(const std::string& text) {
@@ -204,7 +204,7 @@ PlainNumbers plain_numbers(const std::string& text) {
 /// u - u_c = (fx X / Z - (u_c - cx)) / (K1 + K2 / Z) for the micro-image with its centre at u_c.
 struct VirtualDepthModel {
   double k1 = 0, k2 = 0, fx = 0, fy = 0, cx = 0, cy = 0;
-  double radial = 0;  ///< of O'Brien, per pixel^2
+  double radial = 0;  ///< O'Brien's radial term, per pixel^2
 };
 
 }  // namespace
@@ -252,7 +252,7 @@ void read_ten_parameters(const CalibrationFile& file, FoundCamera& found) {
             "them");
     }
   } else if (numbers.bare.size() >= 12) {
-    // O'Brien's matrix by rows; poses follow.
+    // The file holds O'Brien's matrix by rows, then poses.
     const std::vector<double>& b = numbers.bare;
     types.push_back({b[0], b[1], b[2], b[5], b[4], b[3], b[6]});
   } else {
@@ -275,15 +275,15 @@ void read_ten_parameters(const CalibrationFile& file, FoundCamera& found) {
         "taken, as array and sensor are in one place");
   CameraSpec& camera = found.camera;
   SensorSpec& sensor = camera.sensor;
-  // With T from the lens to the sensor, D to the array, B between: fx = T / p,
-  // K2 = T D / B, K1 = -(T / B) (D / f - 1); p is not among the numbers.
+  // T is the distance from the lens to the sensor, D to the array, and B between them. Then fx = T
+  // / p, K2 = T D / B and K1 = -(T / B) (D / f - 1). The file does not hold p.
   if (!(sensor.pixel_pitch > 0)) {
     found.note("fx counts in pixels, and all distances follow from the size of one");
     return;
   }
   const double total = mean.fx * sensor.pixel_pitch;
   if (mean.fy != mean.fx) set_new(sensor.pixel_pitch_y, total / mean.fy);
-  // Either sign of K: that of the depth that grows away from the lens.
+  // K2 may have either sign; we use the sign for which depth increases away from the lens.
   const double k2 = kOpticsMillimetre * std::fabs(mean.k2), k1 = mean.k2 > 0 ? mean.k1 : -mean.k1;
   const double gap = total * total / (k2 + total), distance = total - gap;
   const double inverse = (1 - k1 * gap / total) / distance;
@@ -293,7 +293,7 @@ void read_ten_parameters(const CalibrationFile& file, FoundCamera& found) {
   camera.focus.mode = FocusMode::distance;
   set_new(camera.focus.lens_distance, distance);
   set_new(camera.lens.focal_length, 1 / inverse);
-  // Pixels count from 1 there, at their centres.
+  // In the file pixels count from 1, at their centres.
   if (sensor.columns > 0 && sensor.rows > 0)
     camera.lens.decentre = {(0.5 * sensor.columns - (mean.cx - 0.5)) * sensor.pixel().x,
                             (0.5 * sensor.rows - (mean.cy - 0.5)) * sensor.pixel().y};

@@ -10,12 +10,14 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kDiscSafety = 1.2e-3;  ///< the same for the microlens' far aperture
-constexpr double kDiscRounding = 1e-5;  ///< the same for the near one, which is known exactly
-constexpr int kDiscSteps = 16;          ///< sensor points that apertures are looked at from
-constexpr int kFitSteps = 4;            ///< of the fit of the far one
-constexpr double kTracedRoom = 1.3;     ///< what lacks at traced edges lacks more between them
-constexpr double kBeyond = 1e-4;  ///< of an edge's distance: beyond it shows what it is the edge of
+constexpr double kDiscSafety = 1.2e-3;  ///< of the radius: margin of the far aperture
+constexpr double kDiscRounding = 1e-5;  ///< of the near one, which is known exactly
+constexpr int kDiscSteps = 16;          ///< sensor points from which apertures are sampled
+constexpr int kFitSteps = 4;            ///< steps of the fit of the far aperture
+constexpr double kTracedRoom = 1.3;     ///< factor on the excess of traced edges over the disc
+/// Step beyond an edge, as a share of its distance. The surface that blocks the ray there owns the
+/// edge.
+constexpr double kBeyond = 1e-4;
 
 }  // namespace
 
@@ -41,7 +43,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     return discs;
   }
   const int far_face = camera.surface_count() - 2;
-  /// The surface at which a ray ends; -1: it ends nowhere.
+  /// The surface at which a ray ends; -1: it does not end.
   const auto last_surface = [&](double s, Vec2 u) {
     const TraceStatus status = camera.trace({s, 0}, LensIndex{}, u).status;
     return status.status == RayStatus::reached ? -1 : status.surface;
@@ -50,7 +52,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     double s;
     Vec2 u;
   };
-  std::vector<Edge> near, far, open;  // of the near face, of the far one, of what both leave
+  std::vector<Edge> near, far, open;  // of the near face, of the far one, of both together
   double ss = 0, us = 0, on_axis = 0;
   for (int step = 0; step <= kDiscSteps; ++step) {
     const double s = s_max * step / kDiscSteps;
@@ -63,8 +65,8 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
       if (step == kDiscSteps) discs.near_shift = middle(edge).x / s;
     }
     if (!find_inside(passes_both, own, inside)) continue;
-    // Seen from the side, the edge turned away from s is the far face's, the other one the near
-    // face's. Light that only just passes the stop comes over the former.
+    // Seen from the side, the edge away from s belongs to the far face, and the edge towards s to
+    // the near face. Light that only just passes the stop crosses the far face's edge.
     double turned_away = kInfinity;
     for (const Vec2 u : find_edge(passes_both, inside, 2.2 * own)) {
       discs.bound = std::max(discs.bound, length(u));
@@ -79,7 +81,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
   for (const Edge& edge : near)
     discs.near_radius =
         std::max(discs.near_radius, length(edge.u - Vec2{discs.near_shift * edge.s, 0}));
-  // Least squares over the edges, by Gauss and Newton's method.
+  // Least squares over the edges, by the Gauss-Newton method.
   discs.shift = ss > 0 ? us / ss : 0;
   discs.radius = own;
   for (int step = 0; step < kFitSteps && !far.empty(); ++step) {
@@ -103,7 +105,7 @@ ApertureDiscs fit_aperture(const Camera& camera, double s_max) {
     discs.radius = discs.near_radius;
     discs.shift = discs.near_shift;
   }
-  // Also where the near face is the limit: there the fit is a guess.
+  // This includes edges of the near face, for which the fit is a guess.
   double lacking = 0;
   for (const auto& [s, u] : open)
     lacking = std::max(lacking, length(u - discs.far_centre({s, 0})) - discs.radius_at({s, 0}));
@@ -119,7 +121,8 @@ void widen_discs(const Camera& camera, double s_max, ApertureDiscs& discs) {
   const double tilt = std::tan(length(array.tilt));
   const double gap = camera.aim_plane(0) - camera.sensor();
   const double slope = std::fabs(discs.shift) + 3 * std::fabs(discs.bend) * s_max * s_max;
-  // Not nearer than a tenth of the gap: what goes through the sensor is refused (validate.h).
+  // At least a tenth of the gap remains: an array that would cross the sensor is rejected
+  // (validate.h).
   const double fall = std::min(tilt * (field_radius(camera) + field_shift(camera)), 0.9 * gap);
   const double room =
       1.2 * (slope * (tilt * gap + array.focal_jitter * s_max) + tilt * array.thickness +

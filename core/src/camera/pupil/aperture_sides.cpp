@@ -10,11 +10,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kRounding = 1e-5;        ///< of the half width, where the sides are known exactly
-constexpr double kMeasuredSafety = 2e-3;  ///< the same where they were measured
-constexpr int kDistances = 5;             ///< of sensor points
-constexpr int kTurns = 16;                ///< around the axis
-constexpr double kOfTurn = 0.618034;      ///< by which the next distance's turns are moved on
+constexpr double kRounding = 1e-5;        ///< of the half width, for sides that are known exactly
+constexpr double kMeasuredSafety = 2e-3;  ///< the same for measured sides
+constexpr int kDistances = 5;             ///< number of distances of sensor points
+constexpr int kTurns = 16;                ///< number of azimuths around the axis
+constexpr double kOfTurn = 0.618034;      ///< share of an azimuth step between successive distances
 
 }  // namespace
 

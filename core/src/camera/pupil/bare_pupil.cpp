@@ -12,8 +12,9 @@
 namespace plenoflame {
 namespace {
 
-/// Without array the edge is seen directly: as sharp as 48 halvings make it. Rays that are drawn
-/// beside it are rare, but a pixel whose pupil nothing cuts is otherwise nearly free of noise.
+/// Without array the edge is seen directly: 48 halvings locate it to this accuracy. Rays beside the
+/// edge are rare. They matter because a pixel with an uncut pupil is otherwise nearly free of
+/// noise.
 constexpr double kBareSafety = 1e-11;
 constexpr int kBareBisections = 48;
 constexpr double kZones[] = {0.3, 0.5, 0.7, 0.85, 1};  ///< of the way to the edge
@@ -24,7 +25,7 @@ struct Outline {
   std::vector<Ray> rays;
 };
 
-/// @param turn the azimuth of the field, for a camera that is not alike all around
+/// @param turn the azimuth of the field, for a camera without rotational symmetry
 Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
   Outline outline{};  // no cuts: zeros
   const auto turned = [turn](Vec2 v) {
@@ -52,8 +53,8 @@ Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
     outline.node.aim_radius =
         std::max(outline.node.aim_radius, length(u - Vec2{outline.node.aim_centre, 0}));
     outline.edge.push_back(u);
-    if (camera.misaligned() && camera.lens_is_round()) continue;  // only its edge is asked for
-    // Zones of a lens focus at different distances: the edge's rays need not be the outermost.
+    if (camera.misaligned() && camera.lens_is_round()) continue;  // needs only the edge
+    // Zones of a lens focus at different distances, so rays of inner zones may be the outermost.
     for (const double share : kZones) {
       const Vec2 within = inside + share * (u - inside);
       const Camera::Path path = camera.trace(camera.foot() + turned({h, 0}), std::nullopt,
@@ -66,7 +67,7 @@ Outline trace_bare_outline(const Camera& camera, double h, Vec2 turn = {1, 0}) {
 
 constexpr int kBareTurns = 12;
 
-/// The azimuths at which a camera is looked at that is not alike all around.
+/// Samples the azimuths of a camera without rotational symmetry.
 template <class Function>
 void for_turns(double offset, const Function& function) {
   for (int k = 0; k < kBareTurns; ++k) {

@@ -12,17 +12,17 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kAllBlocks = 128;         ///< of rays between two nodes, all over where light may be
-constexpr int kRimBlocks = 64;          ///< the same in a round that looks for the edge
-constexpr int kExploredTogether = 256;  ///< of one of these blocks: they share an azimuth
-constexpr int kClimbs = 4;              ///< of a block in such a round, from its farthest ray
-constexpr int kClimbing = 64;           ///< rays of each
-constexpr int kMostRounds = 30;         ///< that look for the edge
-constexpr double kStill = 1.002;        ///< a round that finds no more than this is the last one
-constexpr double kEdgeRoom = 1.04;      ///< for rays that were not traced
-constexpr double kAngleRoom = 1.1;      ///< the same, of directions
-constexpr double kSteepest = 3;         ///< slope behind a microlens that is looked at
-constexpr double kFarther = 1.3;        ///< than paraxial optics says
+constexpr int kAllBlocks = 128;         ///< of rays between two nodes, wherever light may arrive
+constexpr int kRimBlocks = 64;          ///< the same in a round that searches for the edge
+constexpr int kExploredTogether = 256;  ///< rays of one of these blocks; they share an azimuth
+constexpr int kClimbs = 4;          ///< searches of a block in such a round, from its farthest ray
+constexpr int kClimbing = 64;       ///< rays of each search
+constexpr int kMostRounds = 30;     ///< largest number of rounds
+constexpr double kStill = 1.002;    ///< a round with less growth than this is the last one
+constexpr double kEdgeRoom = 1.04;  ///< margin for rays that were not traced
+constexpr double kAngleRoom = 1.1;  ///< the same for directions
+constexpr double kSteepest = 3;     ///< largest slope behind a microlens that is sampled
+constexpr double kFarther = 1.3;    ///< factor on the paraxial reach
 
 /// The camera as seen from the microlenses of one type.
 class Explorer {
@@ -37,7 +37,7 @@ class Explorer {
     table_.nodes.resize(nodes);
     table_.edges.resize(nodes);
     if (std::isfinite(camera.exit_pupil())) outwards_ = gap / (camera.exit_pupil() - plane);
-    // A ray that leaves the microlens towards the last surface came from such a sensor point.
+    // Sensor points of rays that leave the microlens towards the last surface reach this far.
     const double aperture = camera.aperture().radius();
     const double last = camera.ideal_lens() ? camera.spec().lens.diameter
                                             : camera.spec().lens.surfaces.back().diameter;
@@ -50,7 +50,7 @@ class Explorer {
 
   std::size_t nodes() const { return table_.nodes.size(); }
 
-  /// Between node i and the next. Not for neighbours at the same time.
+  /// Explores between node i and the next. Neighbours must not run at the same time.
   void explore(std::size_t i) {
     MisalignedPupilTracer tracer(camera_, type_);
     Found found;
@@ -102,15 +102,16 @@ class Explorer {
 
  private:
   struct Found {
-    double reach = 0;    ///< [m] of the farthest ray from the micro-image's centre
-    double tangent = 0;  ///< of the steepest ray's angle with the axis
+    double reach = 0;    ///< [m] distance of the farthest ray from the micro-image's centre
+    double tangent = 0;  ///< tangent of the steepest ray's angle with the axis
     std::vector<Ray> steepest;
-    double block_reach = 0;  ///< the same as reach in the last block alone, and the ray itself
+    double block_reach = 0;  ///< reach in the last block alone, and its farthest ray
     PupilTracer::Request farthest;
   };
 
-  /// @param t way from node i to the next @param inner, outer radii about the micro-image's centre
-  /// @param dense most of them near the inner one
+  /// @param t position between node i and the next @param inner, outer radii about the
+  /// micro-image's centre
+  /// @param dense most rays are near the inner radius
   void trace(MisalignedPupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t,
              double inner, double outer, bool dense, Found& found) {
     const double h = (static_cast<double>(i) + t) * table_.field_step;
@@ -135,8 +136,8 @@ class Explorer {
     });
   }
 
-  /// Goes on from the farthest ray of the last block, in ever smaller surroundings: the farthest
-  /// rays of all pass through corners that rays from all over hardly ever find.
+  /// Continues from the farthest ray of the last block with ever smaller steps. The farthest rays
+  /// of all pass through corners, which evenly spread rays rarely hit.
   void climb(MisalignedPupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t,
              Found& found) {
     const double h = (static_cast<double>(i) + t) * table_.field_step;
@@ -175,8 +176,8 @@ class Explorer {
 
   const Camera& camera_;
   int type_;
-  double outwards_ = 0;  ///< micro-image's centre over the distance from the axis
-  double farthest_ = 0;  ///< [m] from there, no light arrives beyond
+  double outwards_ = 0;  ///< shift of the micro-image's centre per distance from the axis
+  double farthest_ = 0;  ///< [m] from that centre; no light arrives beyond
   std::vector<PupilTracer::Request> requests_;
   PupilTable table_;
 };

@@ -9,7 +9,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kDirections = 32;  ///< in which an edge is searched
+constexpr int kDirections = 32;  ///< number of directions of the search
 
 }  // namespace
 
@@ -27,7 +27,7 @@ bool find_inside(const Passes& passes, double range, Vec2& guess) {
         ++count;
       }
     if (count == 0) continue;
-    const Vec2 mean = (1.0 / count) * sum;  // inside, as what passes is nearly convex
+    const Vec2 mean = (1.0 / count) * sum;  // inside, as the passing region is nearly convex
     if (passes(mean)) {
       guess = mean;
       return true;

@@ -15,12 +15,13 @@ constexpr int kLast = PupilCuts::kAzimuths - 1;
 constexpr std::array<float, PupilCuts::kAzimuths> kCosines{1.0f,         0.92387953f,  0.70710678f,
                                                            0.38268343f,  0.0f,         -0.38268343f,
                                                            -0.70710678f, -0.92387953f, -1.0f};
-// Sectors of PixelCuts reach this far beyond their azimuth, in azimuth steps: half a step to the
-// border, and a pixel that looks from the centre like a disc of one step's radius.
+// Sectors of PixelCuts reach this far beyond their azimuth, in azimuth steps. Half a step leads to
+// the border. A pixel, seen from the centre, has at most the size of a disc with a radius of one
+// step.
 constexpr double kSector = 1.5;
 constexpr float kNone = -1e30f;
 
-/// Four numbers that are computed with at once (an extension of GCC and Clang).
+/// Four numbers for vector arithmetic (an extension of GCC and Clang).
 typedef float Four __attribute__((vector_size(16)));
 
 Four load(const PupilCut& cut) {
@@ -44,7 +45,7 @@ Four value_at(const PupilColumn& column, float step) {
   return a + (step - static_cast<float>(k)) * (b - a);
 }
 
-/// A column at least as wide as all of them.
+/// A column that is at least as wide as all of the columns.
 PupilColumn widest_of(const std::vector<PupilColumn>& columns) {
   PupilColumn wide = columns.front();
   for (const PupilColumn& column : columns) {
@@ -57,7 +58,7 @@ PupilColumn widest_of(const std::vector<PupilColumn>& columns) {
       cut = widest(cut, value_at(column, column.step_at(wide.distance_at(step))));
     wide.cuts[static_cast<std::size_t>(step)] = stored(cut);
   }
-  // Between its steps the others may bend: it is lifted over what sticks out.
+  // The others may bend between its steps; it is raised until it encloses them.
   for (const PupilColumn& column : columns)
     for (int k = 0; k <= PupilColumn::kSteps; ++k) {
       const float step = wide.step_at(column.distance_at(k));
@@ -120,7 +121,7 @@ PupilColumn PupilColumn::mix(const PupilColumn& a, const PupilColumn& b, float t
 PupilColumn PupilColumn::reaching(float farther) const {
   PupilColumn column = *this;
   column.closes = farther;
-  return widest_of({*this, column});  // steps lie elsewhere now
+  return widest_of({*this, column});  // its steps have other distances
 }
 
 float PupilCuts::azimuth_cosine(int azimuth) {
@@ -167,7 +168,7 @@ void PixelCuts::set_mix(const PixelCuts& a, const PixelCuts& b, float t) {
 }
 
 double PixelCuts::clear_of_centre(double half) {
-  return std::sqrt(2.0) * half / kCutSine;  // its disc looks as large as one step
+  return std::sqrt(2.0) * half / kCutSine;  // its disc appears as large as one step
 }
 
 PixelView PixelCuts::look(Vec2 centre, double half, Vec2 field) const& {

@@ -6,8 +6,8 @@
 namespace plenoflame {
 namespace {
 
-/// One node for so much of the angle, within limits: 25 nodes were measured to serve the sensors of
-/// large cameras, which are seen under 0.2.
+/// One node for this tangent of the field angle, within limits. Measurements show that 25 nodes
+/// suffice for the sensors of large cameras, whose field angle has a tangent of 0.2.
 constexpr double kNodeAngle = 0.01;
 constexpr int kFewestNodes = 5, kMostNodes = 25;
 

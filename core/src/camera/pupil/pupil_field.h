@@ -7,18 +7,18 @@
 
 namespace plenoflame {
 
-/// Half the sensor's diagonal [m].
+/// Half the sensor's diagonal, plus the reach of the sensor's blur [m].
 double field_radius(const Camera& camera);
 
-/// Distance by which a main lens that is moved displaces its field over array and sensor, as the
-/// middle of the stop sees it or along its own axis [m].
+/// Distance by which a decentred or tilted main lens displaces its field over array and sensor [m].
+/// It is the larger of the displacements of Camera::foot() and of the lens' own axis.
 double field_shift(const Camera& camera);
 
-/// Number of nodes that a table over distances up to `field` [m] from the axis needs: what the
-/// tables hold changes with the angle under which the exit pupil is seen.
+/// Number of nodes that a table over distances up to `field` [m] from the axis needs. The entries
+/// of a table depend on the angle at which the exit pupil is seen.
 std::size_t field_nodes(const Camera& camera, double field);
 
-/// A node where nothing passes next to one where something does must not cut the light between.
+/// Copies a node to its dark neighbour, which otherwise would cut the light between them.
 /// @param cuts of the same nodes
 void extend_into_shadow(std::vector<PupilNode>& nodes, std::vector<PupilCuts>& cuts);
 

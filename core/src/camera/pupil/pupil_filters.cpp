@@ -29,7 +29,7 @@ bool in_sector(const PupilFilterSpec& filter, Vec2 point, double margin) {
 }
 
 bool in_polygon(const std::vector<Vec2>& corners, Vec2 point, double margin) {
-  // Convex, whichever way around its corners are listed.
+  // The polygon is convex, in either orientation of its corners.
   int left = 0, right = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Vec2 side = corners[(i + 1) % corners.size()] - corners[i];

@@ -8,16 +8,17 @@
 namespace plenoflame {
 namespace {
 
-/// Lengths of micrometres are far from where squares leave the range of numbers: hypot, which
-/// guards against that, took a tenth of the time that tables take.
+/// Length without the overflow guards of hypot. Squares of micrometres stay in the range of
+/// numbers, and hypot takes a tenth of the time of the tables.
 double quick_length(Vec2 v) {
   return std::sqrt(dot(v, v));
 }
 
-constexpr int kScan = 32;        ///< distances looked at along an azimuth
+constexpr int kScan = 32;        ///< distances sampled along an azimuth
 constexpr int kBisections = 10;  ///< halvings of a step between two of them
-constexpr double kRingRadii[] = {0.2, 0.4, 0.6, 0.75, 0.88, 0.95, 1.0};  ///< of the disc's
-constexpr double kSlack = 0.001;  ///< of the bound: ends lie this far outside of what was traced
+/// Radii of the rings, as shares of the disc's radius.
+constexpr double kRingRadii[] = {0.2, 0.4, 0.6, 0.75, 0.88, 0.95, 1.0};
+constexpr double kSlack = 0.001;  ///< share of the bound by which ends are moved outwards
 
 /// From coordinates along and across an azimuth.
 Vec2 turned(Vec2 v, Vec2 e) {
@@ -61,21 +62,21 @@ Vec2 PupilOutline::sensor_point(int azimuth, double distance) const {
   return Vec2{centre_, 0} + distance * directions_[static_cast<std::size_t>(azimuth)];
 }
 
-/// A point of the grid in the aim plane, along and across the azimuth [m].
+/// A point of the grid in the aim plane, in coordinates along and across the azimuth [m].
 Vec2 PupilOutline::aim(int azimuth, double distance, std::size_t i) const {
   const Vec2 e = directions_[static_cast<std::size_t>(azimuth)],
              s = sensor_point(azimuth, distance);
   return discs_.far_centre({dot(s, e), s.y * e.x - s.x * e.y}) + discs_.radius_at(s) * points_[i];
 }
 
-/// Tells whether also rays within an interval of the point tell how far beams reach (zones of a
-/// lens focus at different distances): of the disc's middle, its edge and a ring just inside.
+/// Tells whether rays within the interval of a point also count for the reach of beams. Zones of a
+/// lens focus at different distances. The points are the disc's middle, its edge and a ring inside.
 bool PupilOutline::bounds_beam(std::size_t i) {
   const std::size_t ring = (i - 1) / kSpokes;
   return i == 0 || ring == 4 || ring == 6;
 }
 
-/// Fills one grid. @return false when something passes as far out as was looked
+/// Fills one grid. @return false when a ray passes at the largest distance that was sampled
 bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range) {
   const Vec2 e = directions_[static_cast<std::size_t>(azimuth)];
   Grid& grid = grids_[static_cast<std::size_t>(azimuth)];
@@ -105,7 +106,7 @@ bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range
   });
   if (*std::max_element(last.begin(), last.end()) == kScan) return false;
   beam_rays_.insert(beam_rays_.end(), within.begin(), within.end());
-  // Both ends of every interval, between the last point that passes and the first that does not.
+  // Both ends of every interval, between the last passing point and the first blocked one.
   struct End {
     std::size_t point;
     bool outer;
@@ -140,7 +141,7 @@ bool PupilOutline::search(PupilTracer& open, double h, int azimuth, double range
   return true;
 }
 
-/// The largest distance of a point's interval at which it lies inside the bound, too [m].
+/// The largest distance in a point's interval at which the point is also inside the bound [m].
 double PupilOutline::last_inside(int azimuth, std::size_t i) const {
   const Interval& interval = grids_[static_cast<std::size_t>(azimuth)][i];
   const auto inside = [&](double distance) {
@@ -168,7 +169,7 @@ PupilCut PupilOutline::cut(int azimuth, double distance) const {
     member[i] = inside[i] > 0 && grid[i].in <= distance && distance <= grid[i].out;
     if (member[i]) outline.push_back(aims[i]);
   }
-  // The place where an edge of the grid leaves what is open: the nearest of the three reasons.
+  // The place where an edge of the grid leaves the open region: the nearest of the three limits.
   const auto cross = [&](std::size_t a, std::size_t b) {
     if (member[a] == member[b]) return;
     if (member[b]) std::swap(a, b);
@@ -190,7 +191,7 @@ PupilCut PupilOutline::cut(int azimuth, double distance) const {
       cross(here, 1 + ring * kSpokes + (spoke + 1) % kSpokes);
     }
   const double bound = discs_.bound;
-  if (outline.empty()) {  // all but closed: the point that closes last
+  if (outline.empty()) {  // nearly closed: the point that closes last
     std::size_t last = 0;
     for (std::size_t i = 1; i < kPoints; ++i)
       if (grid[i].out > grid[last].out) last = i;
@@ -220,7 +221,7 @@ void PupilOutline::fill_cuts(PupilCuts& cuts) const {
   const auto bound = static_cast<float>(discs_.bound);
   for (std::size_t j = 0; j < PupilCuts::kAzimuths; ++j) {
     PupilColumn& column = cuts.columns[j];
-    // Up to where the stop begins to cut, the aperture may lie anywhere in its bound.
+    // Until the stop begins to cut, the aperture may be anywhere in its bound.
     column.cuts[0] = {bound, bound, bound, bound};
     const double opens = static_cast<double>(column.opens),
                  closes = static_cast<double>(column.closes);
@@ -229,7 +230,7 @@ void PupilOutline::fill_cuts(PupilCuts& cuts) const {
       const double distance = std::min(opens + part * (closes - opens), closes_[j]);
       column.cuts[k] = cut(static_cast<int>(j), distance);
     }
-    // At the very end hardly anything is open, and its circles mean little.
+    // At the end of vignetting almost nothing is open, and the fitted circles are unreliable.
     for (const std::size_t side : {2u, 3u})
       column.cuts.back()[side] =
           std::max(column.cuts.back()[side], column.cuts[PupilColumn::kSteps - 1][side]);

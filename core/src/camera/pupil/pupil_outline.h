@@ -8,28 +8,29 @@
 namespace plenoflame {
 
 /// The sensor points that see the scene through each point of the aim plane, for a microlens at
-/// distance h from the axis: traced on polar grids, one for each azimuth of the sensor point.
+/// distance h from the axis. They are traced on polar grids, one for each azimuth of the sensor
+/// point.
 ///
-/// A grid fills the aperture's disc and moves with it, as that moves with the sensor point. For
-/// every point of it the sensor points that the stop leaves it, along one azimuth, are an interval
-/// of distances from the micro-image's centre.
+/// A grid fills the aperture's disc, which moves with the sensor point. For a point of the
+/// grid and an azimuth, the stop is open for an interval of distances from the micro-image's
+/// centre.
 class PupilOutline {
  public:
-  /// @param centre of the micro-image, on the axis away from the optical one [m]
-  /// @param range where the search begins to look for the end of the micro-image [m]
+  /// @param centre of the micro-image on the axis that points away from the optical axis [m]
+  /// @param range first distance at which the end of the micro-image is searched [m]
   PupilOutline(PupilTracer& open, double h, double centre, double range,
                const ApertureDiscs& discs);
 
   bool dark() const { return dark_; }
-  /// Distances at which the stop begins to cut and has cut all, without margins.
+  /// Onset and cutoff of vignetting by the stop, without margins [m].
   const std::array<double, PupilCuts::kAzimuths>& opens() const { return opens_; }
   const std::array<double, PupilCuts::kAzimuths>& closes() const { return closes_; }
-  /// The cuts at steps from opens to closes (which may be wider than the own ones).
+  /// The cuts at steps from opens to closes, which may be wider than those of the outline itself.
   void fill_cuts(PupilCuts& cuts) const;
   /// Share of the aperture that sees the scene, averaged over the azimuths and integrated over the
   /// distances up to this one [m].
   double opened(double distance) const;
-  /// Rays at the ends of the intervals, and some within, in the plane z = 0 of the camera frame.
+  /// Rays at the ends of the intervals, and some inside, in the plane z = 0 of the camera frame.
   const std::vector<Ray>& beam_rays() const { return beam_rays_; }
 
  private:
@@ -52,7 +53,7 @@ class PupilOutline {
   std::array<Vec2, PupilCuts::kAzimuths> directions_;
   ApertureDiscs discs_;
   std::array<Grid, PupilCuts::kAzimuths> grids_;
-  /// Ends of every interval, as far as its point lies inside the bound.
+  /// Ends of every interval, limited to distances at which the point is inside the bound.
   std::array<std::array<double, kPoints>, PupilCuts::kAzimuths> ends_{};
   std::array<double, PupilCuts::kAzimuths> opens_{}, closes_{};
   std::vector<Ray> beam_rays_;

@@ -23,19 +23,19 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kSafety = 0.001;    ///< of a radius, over the measured margin
-constexpr double kReach = 1.02;      ///< micro-images may still grow by less
-constexpr double kRimRoom = 0.5;     ///< of what traced rays exceed a rim by, for the others
-constexpr double kRimSafety = 2e-4;  ///< of the rim's radius, over that
-constexpr double kMostReach = 1.01;  ///< a series that is so far out is of no use
+constexpr double kSafety = 0.001;    ///< share of a radius, in addition to the measured margin
+constexpr double kReach = 1.02;      ///< margin for later growth of micro-images
+constexpr double kRimRoom = 0.5;     ///< share of the largest excess of traced rays over a rim
+constexpr double kRimSafety = 2e-4;  ///< share of the rim's radius, in addition
+constexpr double kMostReach = 1.01;  ///< a series with a larger reach is not used
 
-/// The lens at lattice place (h, 0), as if one stood there: tables cover the field continuously.
+/// A lens at lattice place (h, 0), which need not exist: tables cover the field continuously.
 class MicrolensTracer {
  public:
   MicrolensTracer(const Camera& camera, int type) {
     CameraSpec spec = camera.spec();
-    // One type, centred at h by the array's offset; the clear aperture opened so that only the
-    // main lens decides (the microlens' own apertures are a disc of their own).
+    // The array has one type, centred at h by its offset. The clear aperture is opened so that only
+    // the main lens blocks rays. The microlens' own apertures have a disc of their own.
     spec.array.types = {spec.array.types[static_cast<std::size_t>(type)]};
     spec.array.rotation = 0;
     spec.focus.mode = FocusMode::distance;
@@ -61,12 +61,12 @@ class MicrolensTracer {
   CameraSpec own_, open_;
 };
 
-/// The micro-image as the middle of the microlens sees it, by the main lens alone.
+/// The micro-image seen from the middle of the microlens, limited by the main lens alone.
 constexpr double kRangeRoom =
-    1.3;  ///< the search begins so much farther out than the paraxial image
+    1.3;  ///< the search begins this factor farther out than the paraxial image
 struct ChiefImage {
-  double centre = 0, radius = 0;  ///< [m] along the axis away from the optical one; radius 0: dark
-  double range = 0;  ///< guess of how far from `centre` the whole micro-image reaches [m]
+  double centre = 0, radius = 0;  ///< [m] on the axis away from the optical one; radius 0: dark
+  double range = 0;               ///< [m] estimated reach of the whole micro-image from `centre`
 };
 
 ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
@@ -81,7 +81,7 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
   const double guess_radius = telecentric
                                   ? 0.5 * b * main.entrance_pupil_diameter / main.focal_length
                                   : 0.5 * b * main.exit_pupil_diameter / std::fabs(z);
-  // The sides may still see where vignetting leaves the middle dark.
+  // The sides may still see light if vignetting leaves the middle dark.
   const double a = tracer.aperture_radius();
   for (const Vec2 u : {Vec2{0, 0}, Vec2{0.7 * a, 0}, Vec2{-0.7 * a, 0}, Vec2{a, 0}, Vec2{-a, 0}}) {
     const Passes passes = [&](Vec2 s) {
@@ -100,14 +100,14 @@ ChiefImage find_chief_image(const MicrolensTracer& tracer, double h) {
   return {};
 }
 
-/// Fills in what the cuts say of a whole micro-image.
+/// Fills in the reach of the whole micro-image from its cuts.
 void summarise(const PupilCuts& cuts, PupilNode& node) {
   node.outer_radius = 0;
   for (std::size_t j = 0; j < PupilCuts::kAzimuths; ++j)
     node.outer_radius = std::max(node.outer_radius, static_cast<double>(cuts.columns[j].closes));
 }
 
-/// Widens the table of the aligned camera to hold the rays of the misaligned one, until it does.
+/// Widens the table of the aligned camera until it contains the rays of the misaligned one.
 void widen_to_misaligned(const Camera& camera, int type, PupilTable& table,
                          std::vector<PupilCuts>& cuts) {
   constexpr int kRounds = 12;
@@ -125,8 +125,8 @@ void widen_to_misaligned(const Camera& camera, int type, PupilTable& table,
   }
 }
 
-/// Makes the table of a type of microlens, in stages of which the parts of each may be done by
-/// several threads, in any order.
+/// Makes the table of a type of microlens in stages. Several threads may do the parts of a stage,
+/// in any order.
 class TableMaker {
  public:
   TableMaker(const Camera& camera, int type)
@@ -134,7 +134,8 @@ class TableMaker {
         camera_(camera.misaligned() ? camera.aligned() : camera),
         type_(type),
         tracer_(camera_, type) {
-    // Micro-images move outwards from their lens: lenses a little beyond the sensor do not matter.
+    // Micro-images are displaced outwards from their lenses, so lenses a little beyond the sensor
+    // do not matter.
     const double h_max =
         field_radius(camera_) + 2 * longest_pitch(camera_.spec().array) + field_shift(given_);
     const std::size_t nodes = field_nodes(camera_, h_max);
@@ -180,7 +181,7 @@ class TableMaker {
     table_.edges[i] = outline.beam_rays();
   }
 
-  /// The same for micro-images that turned out to be larger.
+  /// Fits the discs again for micro-images that became larger.
   void fit_discs_again() {
     double s_max = 0;
     for (const PupilNode& node : table_.nodes)
@@ -195,13 +196,13 @@ class TableMaker {
   }
 
   void fit_stop_map_of(std::size_t i) {
-    if (given_.misaligned()) return;  // no two microlenses see the stop alike
+    if (given_.misaligned()) return;  // no two microlenses see the same stop
     table_.nodes[i].stop = fit_stop_map(tracer_.open_at(place(i)), place(i), table_.at_pupil);
   }
 
   void fill_shadow() { extend_into_shadow(table_.nodes, cuts_); }
 
-  /// Not for neighbours at the same time.
+  /// Neighbours must not run at the same time.
   void widen(std::size_t i) {
     PupilTracer own(camera_, type_, false);
     const Crossed crossed = widen_pair(own, table_, i, cuts_);
@@ -233,7 +234,7 @@ class TableMaker {
     table_.discs = fit_aperture(tracer_.own_at(0), s_max);
     if (given_.misaligned()) widen_discs(given_, s_max, table_.discs);
   }
-  /// @param farthest of the rays that were seen to pass; 0: none was @return 0: not known
+  /// @param farthest of the rays that passed; 0: none @return 0: unknown
   static double reach_of(double farthest) {
     const double reach = 1 + (1 + kRimRoom) * std::max(farthest - 1, 0.0) + kRimSafety;
     return farthest > 0 && reach < kMostReach ? reach : 0;
@@ -245,8 +246,8 @@ class TableMaker {
   int type_;
   MicrolensTracer tracer_;
   std::vector<ChiefImage> images_;
-  double s_max_ = 0;              ///< [m] of the images
-  std::vector<Crossed> crossed_;  ///< of the rays next to each node
+  double s_max_ = 0;              ///< [m] reach of the images
+  std::vector<Crossed> crossed_;  ///< by the rays next to each node
   std::vector<PupilCuts> cuts_;
   PupilTable table_;
 };
@@ -268,7 +269,7 @@ std::vector<PupilTable> microlens_tables(const Camera& camera, const Execution& 
   of_each(1, [](TableMaker& maker, std::size_t) { maker.fit_discs_again(); });
   for (const auto& maker : makers) maker->fill_shadow();
   of_each(nodes, [](TableMaker& maker, std::size_t i) { maker.fit_stop_map_of(i); });
-  for (const std::size_t first : {0, 1})  // pairs that share no node
+  for (const std::size_t first : {0, 1})  // pairs without a common node
     of_each((nodes - first) / 2,
             [first](TableMaker& maker, std::size_t k) { maker.widen(2 * k + first); });
   of_each(1, [](TableMaker& maker, std::size_t) { maker.finish(); });
@@ -284,7 +285,7 @@ OpenShare::OpenShare(const PupilNode& node, double half)
 
 double OpenShare::up_to(double distance) const {
   const double exact = distance * steps_per_metre_;
-  const double place = exact < kLast ? exact : kLast;  // what is not a number lies outside, too
+  const double place = exact < kLast ? exact : kLast;  // NaN is outside, too
   const auto i = std::min(static_cast<int>(place), static_cast<int>(kLast) - 1);
   const auto k = static_cast<std::size_t>(i);
   return opened_[k] + (place - i) * (opened_[k + 1] - opened_[k]);
@@ -303,7 +304,7 @@ PupilNode PupilTable::at(double h) const {
 
 namespace {
 
-/// From x to y as t goes from 0 to 1; both may be infinite.
+/// Interpolates from x to y for t from 0 to 1; both may be infinite.
 double mix(double x, double y, double t) {
   return x == y ? x : x + t * (y - x);
 }
@@ -347,7 +348,7 @@ void PupilTable::look_up(double h, PupilNode& node) const {
 }
 
 PupilSampling::PupilSampling(const Camera& given, const Execution& execution) {
-  // Distortion bends rays outside of the camera, where nothing stops them any more.
+  // Distortion bends rays outside of the camera, where no aperture blocks them.
   const Camera camera = given.undistorted();
   if (!camera.has_array()) {
     tables_.push_back(bare_table(camera));

@@ -20,7 +20,7 @@ PupilTracer::PupilTracer(const Camera& camera, int type, bool open)
       codes_(kPadded) {
   if (open) {
     for (KernelSurface<double>& surface : lens_.surfaces) {
-      // No further than the sphere itself reaches, with some room.
+      // Not beyond the sphere itself, with some margin.
       const double c = surface.curvature;
       surface.aperture2 = c != 0 ? 0.9 / (c * c) : kInfinity;
     }
@@ -90,7 +90,7 @@ MisalignedPupilTracer::MisalignedPupilTracer(const Camera& camera, int type)
 
 void MisalignedPupilTracer::trace(double h, const std::vector<Request>& requests,
                                   const Answer& answer) {
-  // Kronecker's sequence: all azimuths, with all focal lengths up to the ends of their range.
+  // Kronecker sequence: covers all azimuths, each with all focal lengths of their range.
   turn_ += 0.7548776662466927, factor_ += 0.5698402909980532;
   turn_ -= std::floor(turn_), factor_ -= std::floor(factor_);
   trace_again(h, requests, answer);

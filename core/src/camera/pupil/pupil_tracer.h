@@ -7,11 +7,11 @@
 
 namespace plenoflame {
 
-/// Traces many rays from the sensor through one kind of microlens, wherever it may stand on the
-/// x axis, in double precision: what pupil tables are made from.
+/// Traces many rays from the sensor through one kind of microlens, in double precision, for pupil
+/// tables. The microlens may be anywhere on the x axis.
 class PupilTracer {
  public:
-  /// @param open the microlens' own apertures stop nothing: only the main lens decides
+  /// @param open the microlens' own apertures block nothing: only the main lens blocks rays
   PupilTracer(const Camera& camera, int type, bool open);
   virtual ~PupilTracer() = default;
 
@@ -20,14 +20,14 @@ class PupilTracer {
   struct Request {
     Vec2 s, u;
   };
-  /// Receives the number of a request, whether its ray reaches the scene, and its place and
-  /// direction in the plane z = 0 of the camera frame if so.
+  /// Receives the number of a request and whether its ray reaches the scene. A ray that reaches it
+  /// has its place and direction in the plane z = 0 of the camera frame.
   using Answer = std::function<void(std::size_t index, bool passes, const Ray& ray)>;
   /// @param h distance of the microlens' centre from the optical axis [m]
   virtual void trace(double h, const std::vector<Request>& requests, const Answer& answer);
 
-  /// Receives the number of a request, whether its ray comes through the microlens, and the ray
-  /// behind it: from the microlens' centre, z from the front of the array.
+  /// Receives the number of a request and whether its ray passes the microlens. The ray behind it
+  /// is relative to the microlens' centre, with z from the front of the array.
   using Emergence = std::function<void(std::size_t index, bool emerges, const Ray& ray)>;
   void leave_microlens(const std::vector<Request>& requests, const Emergence& emergence);
 
@@ -50,19 +50,19 @@ class PupilTracer {
   KernelBlock<double> block_{};
 };
 
-/// The same through a camera whose microlenses are not alike at the same distance from the axis:
-/// every call takes another azimuth and another focal length. `h` counts from Camera::foot().
+/// The same for a camera in which microlenses at the same distance from the axis differ. Every call
+/// uses another azimuth and another focal length. `h` counts from Camera::foot().
 class MisalignedPupilTracer : public PupilTracer {
  public:
   MisalignedPupilTracer(const Camera& camera, int type);
   void trace(double h, const std::vector<Request>& requests, const Answer& answer) override;
-  /// The same through the microlens of the last call's azimuth and focal length.
+  /// Traces through the microlens of the last call, with the same azimuth and focal length.
   void trace_again(double h, const std::vector<Request>& requests, const Answer& answer);
 
  private:
   const Camera& misaligned_;
   int type_;
-  double turn_ = 0, factor_ = 0;  ///< of the last call: in [0, 1)
+  double turn_ = 0, factor_ = 0;  ///< values of the last call, in [0, 1)
 };
 
 }  // namespace plenoflame

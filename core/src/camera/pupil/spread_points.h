@@ -4,11 +4,11 @@
 
 namespace plenoflame {
 
-/// Evenly spread points of the four-dimensional unit cube: Kronecker's sequence with the powers of
-/// 1/g, g^5 = g + 1.
+/// Evenly spread points of the four-dimensional unit cube. This is the Kronecker sequence with the
+/// powers of 1/g, g^5 = g + 1.
 class SpreadPoints {
  public:
-  /// @param first how many points are skipped
+  /// @param first number of points that are skipped
   explicit SpreadPoints(std::size_t first = 0) {
     for (std::size_t d = 0; d < 4; ++d) {
       const double turns = 0.5 + static_cast<double>(first) * kStep[d];

@@ -11,16 +11,16 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::size_t kCrossingRays = 2048;  ///< that a crossing is fitted to
-constexpr int kMapRays = 160;                ///< the same of a map
-constexpr int kFewestRays = 60;              ///< that get to the stop, for its 10 numbers
-constexpr double kPupilRoom = 1.15;  ///< of its radius: rays are fitted that far, and a bit beyond
+constexpr std::size_t kCrossingRays = 2048;  ///< for the fit of a crossing
+constexpr int kMapRays = 160;                ///< for the fit of a map
+constexpr int kFewestRays = 60;              ///< that must reach the stop, to fit its 10 numbers
+constexpr double kPupilRoom = 1.15;          ///< factor on its radius for the rays of the fit
 constexpr double kStopRoom = 1.3, kFarFaceRoom = 1.2;
-/// The nearest plane, in focal lengths of the main lens: nearer ones would hardly tell directions.
+/// The nearest plane, in focal lengths of the main lens. Nearer planes hardly separate directions.
 constexpr double kNearest = 0.2, kFarthest = 20;
 constexpr int kInversionSteps = 6;
 
-/// A point of the unit disc from two of the unit interval.
+/// A point of the unit disc from two numbers of the unit interval.
 Vec2 of_disc(double share, double turn) {
   const double angle = 2 * constants::pi * turn, radius = std::sqrt(share);
   return {radius * std::cos(angle), radius * std::sin(angle)};
@@ -33,7 +33,7 @@ double dot_terms(const std::array<double, RayCrossing::kTerms>& a,
   return sum;
 }
 
-/// The sensor point from which a ray through the aim point crosses there.
+/// The sensor point from which a ray through the aim point crosses the plane at `target`.
 Vec2 sensor_point_of(const RayCrossing& crossing, Vec2 aim, Vec2 target) {
   Vec2 s{0, 0};
   for (int i = 0; i < kInversionSteps; ++i) {
@@ -44,10 +44,10 @@ Vec2 sensor_point_of(const RayCrossing& crossing, Vec2 aim, Vec2 target) {
   return s;
 }
 
-/// Least squares over rays, x and y of each a row.
+/// Least squares over rays; x and y of each ray are a row each.
 class CrossingFit {
  public:
-  /// @param unit of sensor and aim points [m] @param limit rays that cross farther out do not count
+  /// @param unit of sensor and aim points [m] @param limit rays that cross farther out are ignored
   CrossingFit(double unit, double limit) : limit2_(limit * limit) { crossing_.unit = unit; }
 
   void add(Vec2 sensor, Vec2 aim, Vec2 at) {
@@ -126,7 +126,7 @@ PupilPlane::PupilPlane(const Camera& camera) {
   const double focal = main.focal_length;
   distance = camera.exit_pupil() - camera.array_front();
   moves_with_lens = std::fabs(distance) > kNearest * focal &&
-                    std::fabs(distance) < kFarthest * focal;  // false where it is infinite, too
+                    std::fabs(distance) < kFarthest * focal;  // also false for an infinite distance
   radius = 0.5 * main.exit_pupil_diameter;
   if (moves_with_lens) return;
   distance = focal;

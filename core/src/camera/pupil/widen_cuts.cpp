@@ -10,21 +10,21 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kEdgeBlocks = 4;         ///< of rays between two nodes, near the micro-image's edge
-constexpr int kBlocks = 64;            ///< of rays between two nodes, all over the micro-image
-constexpr int kInsideBlocks = 24;      ///< the same, inside of the cuts: where series must hold
-constexpr int kRaysTogether = 512;     ///< of one of these blocks
-constexpr double kBeside = 0.02;       ///< of the bound: rays are aimed so far outside of a cut
-constexpr double kRoom = 1.2;          ///< what lacks is added with this factor
-constexpr double kMargin = 0.00075;    ///< of the bound: for the rays that were not traced
-constexpr float kEdgeMargin = 0.002F;  ///< of where a micro-image closes
+constexpr int kEdgeBlocks = 4;      ///< of rays between two nodes, near the micro-image's edge
+constexpr int kBlocks = 64;         ///< of rays between two nodes, over the whole micro-image
+constexpr int kInsideBlocks = 24;   ///< the same inside of the cuts, where the series must hold
+constexpr int kRaysTogether = 512;  ///< rays of one of these blocks
+constexpr double kBeside = 0.02;    ///< share of the bound: distance of aim points outside of a cut
+constexpr double kRoom = 1.2;       ///< factor on a missing length
+constexpr double kMargin = 0.00075;    ///< share of the bound, for rays that were not traced
+constexpr float kEdgeMargin = 0.002F;  ///< share of the cutoff distance of vignetting
 
-/// Evenly spread numbers of [-1, 1] drawn towards the ends, where openings have their corners.
+/// Evenly spread numbers of [-1, 1], made denser towards the ends, where openings have corners.
 double signed_root(double x) {
   return std::copysign(std::sqrt(std::fabs(x)), x);
 }
 
-/// Directions all around.
+/// Directions around the full circle.
 class Circle {
  public:
   Circle() {
@@ -41,7 +41,7 @@ class Circle {
   std::array<Vec2, kCount> directions_;
 };
 
-/// The cuts of two neighbouring nodes, and those between them at some place.
+/// The cuts of two neighbouring nodes, and cuts interpolated between them.
 class Between {
  public:
   Between(PupilCuts& a, PupilCuts& b, double t)
@@ -77,17 +77,17 @@ class Opening {
         low_diameter_(static_cast<double>(cut[2]) - low_),
         high_diameter_(high_ + static_cast<double>(cut[3])) {}
 
-  /// The farthest that it reaches across: the common part of two circles centred on the line.
+  /// Half the extent across the line: the common part of two circles centred on the line.
   double half_width() const {
     const double a = 0.5 * low_diameter_, b = 0.5 * high_diameter_;
     if (!(a > 0 && b > 0)) return 0;
     const double from_a = low_ + a, from_b = high_ - b, apart = from_b - from_a;
-    if (apart * apart + a * a <= b * b) return a;  // the top of one lies in the other
+    if (apart * apart + a * a <= b * b) return a;  // the top of one circle is inside the other
     if (apart * apart + b * b <= a * a) return b;
     const double foot = (apart * apart + a * a - b * b) / (2 * apart);
     return std::sqrt(std::max(0.0, a * a - foot * foot));
   }
-  /// An aim point just outside, beside one that is inside.
+  /// An aim point just outside, beside a point that is inside.
   double beside(double p, double q, double depth) const {
     const double low = low_at(q), high = high_at(q);
     if (p < low || p > high) return p;
@@ -97,7 +97,7 @@ class Opening {
   double high_at(double q) const { return high_ - behind(high_diameter_, q); }
 
  private:
-  /// A circle between two ends on the line: how far it lies behind them at q.
+  /// For a circle between two ends on the line: its distance behind them at q.
   static double behind(double diameter, double q) {
     const double root = diameter * diameter - 4 * q * q;
     return root > 0 ? 2 * q * q / (diameter + std::sqrt(root)) : 0.5 * diameter;
@@ -105,7 +105,8 @@ class Opening {
   double low_, high_, low_diameter_, high_diameter_;
 };
 
-/// A ray that passes: at p, counted from the end that is looked at towards the other, and q.
+/// Widens the cuts to hold a passing ray at p and q. p counts from the end in question towards the
+/// other.
 void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::size_t end,
           double p, double q, double bound) {
   const PupilCut cut = between.cuts().at(azimuth).at(step);
@@ -117,7 +118,7 @@ void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::
     to_far += by;
   }
   if (from_end >= 0 && from_end * to_far >= q * q) return;
-  // Move the end when that is a small step, otherwise the far end of its circle.
+  // Moves the end if the step is small, otherwise the far end of its circle.
   const double lacking = q * q / to_far - from_end;
   if (lacking < kBeside * bound || from_end < 1e-3 * bound) {
     const double by = kRoom * std::min(lacking, std::max(kBeside * bound, -from_end));
@@ -148,8 +149,8 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
     const StopMap stop = StopMap::mix(a.stop, b.stop, t);
     const double centre = a.centre + t * (b.centre - a.centre);
     const double reach = std::max(a.outer_radius, b.outer_radius);
-    // Every other ray goes for the opening itself, which may be small: a stopped-down lens seen
-    // through a microlens that is out of focus.
+    // Every second ray is aimed at the opening itself, which may be small. An example is a
+    // stopped-down lens seen through a microlens that is out of focus.
     bool close = false;
     for (PupilTracer::Request& request : requests) {
       spread.step();
@@ -168,12 +169,12 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
           q = signed_root(2 * spread[2] - 1) *
               std::min(opening.half_width() + room, table.discs.bound);
           const double low = opening.low_at(q), high = opening.high_at(q);
-          const double part = 2 * spread[3] - 1;  // which side, and how far beside it
+          const double part = 2 * spread[3] - 1;  // the side, and the distance beside it
           const double middle = 0.5 * (low + high), half = 0.5 * (high - low);
           p = edge     ? middle + part * (half + room)
               : inside ? middle + std::cbrt(part) * half  // most of them close to the ends
                        : (part < 0 ? low + part * room : high + part * room);
-        } else {  // where the table holds everything already, nothing can be learnt
+        } else {  // the table already holds everything there
           p = opening.beside(p, q, away * room);
         }
       }

@@ -25,8 +25,8 @@ namespace {
 
 using Json = nlohmann::json;
 
-// magic, size of the header, its checksum, the header (JSON) filled up with blanks; tiles, groups,
-// nodes as they are in memory (little-endian).
+// Layout: magic, size of the header, its checksum, the header (JSON) padded with blanks. Tiles,
+// groups and nodes follow as they are in memory (little-endian).
 constexpr std::string_view kBundleMagic = "plenoflame bundle 1\n";
 constexpr std::size_t kAlignment = 64;
 constexpr std::size_t kPreamble = 64;  ///< bytes before the header
@@ -40,7 +40,7 @@ std::string_view bytes_of(std::span<const T> items) {
 }
 
 std::uint32_t crc(std::uint32_t start, std::string_view bytes) {
-  // zlib counts in unsigned int.
+  // zlib takes sizes as unsigned int.
   constexpr std::size_t kMost = std::size_t{1} << 30;
   uLong sum = start;
   for (; !bytes.empty(); bytes.remove_prefix(std::min(kMost, bytes.size())))
@@ -84,12 +84,12 @@ std::string header_of(const CompiledCamera& camera) {
   return text;
 }
 
-/// A bundle that is open, and read where it is asked for. What happens to the file meanwhile is
-/// found by lengths and checksums: nothing of it is ever mapped.
+/// An open bundle, read in pieces as they are needed. Lengths and checksums detect changes of the
+/// file. The file is never mapped into memory.
 class OpenBundle {
  public:
   explicit OpenBundle(const std::string& path) : path_(path) {
-    // Without waiting for whoever may write into a pipe.
+    // O_NONBLOCK avoids waiting for the writer of a pipe.
     file_ = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (file_ < 0) fail();
     struct stat status {};
@@ -105,13 +105,13 @@ class OpenBundle {
 
   std::uint64_t size() const { return size_; }
 
-  /// @param count of items that the file was long enough for when it was opened
+  /// @param count of items; the file was long enough for them when it was opened
   template <class T>
   std::vector<T> read(std::uint64_t at, std::uint64_t count) const {
     std::vector<T> items(static_cast<std::size_t>(count));
     char* to = reinterpret_cast<char*>(items.data());
     for (std::uint64_t left = count * sizeof(T); left > 0;) {
-      constexpr std::uint64_t kMost = std::uint64_t{1} << 30;  // of one call
+      constexpr std::uint64_t kMost = std::uint64_t{1} << 30;  // bytes of one call
       const ssize_t got = ::pread(file_, to, static_cast<std::size_t>(std::min(left, kMost)),
                                   static_cast<off_t>(at));
       if (got < 0 && errno == EINTR) continue;
@@ -132,7 +132,7 @@ class OpenBundle {
   std::uint64_t size_ = 0;
 };
 
-/// Every tile's groups and nodes follow those of the one before.
+/// Checks that the groups and nodes of each tile follow those of the tile before.
 bool are_in_order(const CompiledCamera& camera) {
   std::uint64_t group = 0, node = 0;
   for (const CompiledTile& tile : camera.tiles) {
@@ -162,7 +162,7 @@ bool is_sound(const CompiledCamera& camera) {
          camera.samples > 0;
 }
 
-/// As many tiles as a Film of this window has, which need not have room in memory.
+/// Number of tiles of a Film of this window, computed without allocating the film.
 std::uint64_t tiles_of(const PixelWindow& window) {
   const auto along = [](int pixels) {
     return (static_cast<std::uint64_t>(pixels) + Film::kTile - 1) / Film::kTile;
@@ -170,9 +170,9 @@ std::uint64_t tiles_of(const PixelWindow& window) {
   return along(window.width) * along(window.height);
 }
 
-/// Rays whose places, slopes and weights can be those of a camera.
+/// Checks that places, slopes and weights are possible values for a camera.
 bool is_sound(const CompiledContent& content) {
-  constexpr float kFarthest = 1e9F;  // [m], and of slopes
+  constexpr float kFarthest = 1e9F;  // [m]; also the limit of slopes
   std::uint64_t nodes = 0;
   for (const CompiledGroup& group : content.groups) {
     nodes += std::uint64_t{group.count[0]} + group.count[1];

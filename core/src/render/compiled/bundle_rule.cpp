@@ -7,8 +7,8 @@
 namespace plenoflame {
 namespace {
 
-/// For each level, how many of the widest coordinates have products of degree 2, and how often the
-/// bundle is halved.
+/// For each level: the number of the widest coordinates with products of degree 2, and the number
+/// of halvings of the bundle.
 struct Degrees {
   std::size_t squares;
   int halvings;
@@ -20,10 +20,10 @@ Degrees degrees_of(int level) {
   return kDegrees[static_cast<std::size_t>(level - 1)];
 }
 
-/// Cells of fewer rays are not halved.
+/// Cells with fewer rays are not halved.
 constexpr std::size_t kFewRays = 16;
 
-/// Spreads below this share of the widest are none: rounding.
+/// Spreads below this share of the widest count as 0: they are rounding errors.
 constexpr double kNoSpread = 1e-5;
 
 }  // namespace
@@ -47,7 +47,7 @@ BundlePolynomials::BundlePolynomials(std::span<const BundleRay> bundle, int leve
     }
   }
   Eigen::Vector4d first;
-  Eigen::Matrix4d spread;  // the solver reads its lower half
+  Eigen::Matrix4d spread;  // the solver reads its lower triangle
   for (int i = 0; i < 4; ++i) first[i] = sums[static_cast<std::size_t>(i)] / total;
   for (int i = 0; i < 4; ++i)
     for (int j = 0; j <= i; ++j)
@@ -90,7 +90,7 @@ std::vector<BundleRay> BundleReducer::reduce(std::span<const BundleRay> bundle,
   return rule;
 }
 
-/// Halves a cell across its widest extent as often as is asked for.
+/// Halves a cell across its widest extent, `halvings` times.
 void BundleReducer::reduce_cell(std::span<BundleRay> cell, int halvings, WalkRandom& random,
                                 std::vector<BundleRay>& rule) {
   if (halvings == 0 || cell.size() < kFewRays) {
@@ -165,8 +165,8 @@ void BundleReducer::evaluate(const BundlePolynomials& polynomials,
   }
 }
 
-/// In the order of their widest coordinate, in narrow bins: what the walk takes out is then soon
-/// made up for by neighbours.
+/// Sorts rays by their widest coordinate, in narrow bins. The walk then replaces the weight of a
+/// removed ray by that of its neighbours.
 void BundleReducer::order_along(const BundlePolynomials& polynomials,
                                 std::span<const BundleRay> bundle) {
   constexpr std::size_t kBins = 128;
@@ -184,7 +184,7 @@ void BundleReducer::order_along(const BundlePolynomials& polynomials,
     order_[begin[bins_[i]]++] = static_cast<std::uint32_t>(i);
 }
 
-/// Picks one of every few rays in their order, by chance.
+/// Keeps one random ray of every `step` rays, in their order.
 void BundleReducer::take_every(std::size_t step, WalkRandom& random) {
   std::size_t count = 0;
   for (std::size_t first = 0; first < order_.size(); first += step) {
@@ -195,9 +195,9 @@ void BundleReducer::take_every(std::size_t step, WalkRandom& random) {
   order_.resize(count);
 }
 
-/// Changes the weights by as little as brings the sums to those of the whole bundle: the
+/// Changes the weights as little as possible so that the sums equal those of the whole bundle: the
 /// calibration estimator (J.-C. Deville, C.-E. Sarndal, J. Am. Stat. Assoc. 87 (1992), 376).
-/// @return false where that would make one negative
+/// @return false if a weight would become negative
 bool BundleReducer::calibrate(const BundlePolynomials& polynomials,
                               std::span<const BundleRay> bundle) {
   std::vector<double> sums(polynomials.size()), of_ray(polynomials.size());

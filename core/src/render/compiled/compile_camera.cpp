@@ -21,12 +21,12 @@
 namespace plenoflame {
 namespace {
 
-/// Rays of a set, for each of its polynomials, from which its few are drawn: the moments are those
-/// of all.
+/// Number of rays per polynomial from which a set draws its few rays. The moments are those of all
+/// rays.
 constexpr std::size_t kWalked = 8;
 
-/// Errors of pictures of a layered flame, relative RMSE over lit pixels: measured with
-/// examples/paper-flame-1m.toml (docs/theory/compiled.md). Smoother flames do better.
+/// Relative RMSE over lit pixels of pictures of a layered flame, measured with
+/// examples/paper-flame-1m.toml (docs/theory/compiled.md). Smoother flames have smaller errors.
 struct Closeness {
   double error;
   int level, samples;
@@ -70,7 +70,7 @@ Box region_of(const CompiledScene& scene, const CompileSettings& settings) {
   return grown(box, settings.margin);
 }
 
-/// Rays are lines, which go on behind the camera: a region there would be taken for seen.
+/// Rays are infinite lines, so a region behind the camera would be taken for visible.
 void check_in_front(const CompiledScene& scene, const CompiledCamera& camera) {
   const Vec3 front = scene.camera.to_world().point({0, 0, 0});
   const double nearest = dot(camera.anchor - front, camera.along) - half_depth(camera);
@@ -81,7 +81,7 @@ void check_in_front(const CompiledScene& scene, const CompiledCamera& camera) {
         -nearest));
 }
 
-/// Hands the tiles' contents to the camera.
+/// Moves the tiles' contents into the camera.
 void keep(std::vector<CompiledContent> contents, CompiledCamera& camera) {
   for (const CompiledContent& content : contents) {
     CompiledTile tile;
@@ -95,7 +95,7 @@ void keep(std::vector<CompiledContent> contents, CompiledCamera& camera) {
                         std::move(contents))](std::size_t tile) { return kept->at(tile); };
 }
 
-/// Workers' tiles, of which each has one at a time.
+/// Collects the rays of the workers; each worker has one tile at a time.
 class Gathering {
  public:
   Gathering(const CompiledCamera& camera, const CompiledScene& scene, int threads)

@@ -6,11 +6,11 @@
 
 namespace plenoflame {
 
-/// True if a whole line meets a box.
+/// True if an infinite line meets a box.
 bool line_meets(const Box& box, Vec3 origin, Vec3 direction);
 
-/// Places the frame in which a compiled camera's rays are written: its axes are those of the
-/// camera, its origin is the middle of the region.
+/// Sets the frame of a compiled camera's rays. Its axes are those of the camera, and its origin is
+/// the middle of the region.
 void place_frame(const CompiledScene& scene, CompiledCamera& camera);
 
 /// [m] half of the region's extent along the camera's axis.

@@ -12,7 +12,7 @@
 namespace plenoflame {
 namespace {
 
-/// The camera alone, without what changes no ray.
+/// The camera alone, without properties that change no ray.
 Scene camera_scene(const CameraSpec& camera) {
   Scene scene;
   scene.camera = camera;
@@ -31,7 +31,7 @@ Scene camera_scene(const CameraSpec& camera) {
   return scene;
 }
 
-/// Indices of a path's glasses at its wavelength, which the scene's text leaves open.
+/// Refractive indices of a path's glasses at its wavelength, which the scene's text does not hold.
 std::string indices_of(const CameraSpec& camera) {
   std::string text;
   for (const SurfaceSpec& surface : camera.lens.surfaces)

@@ -6,8 +6,9 @@
 
 namespace plenoflame {
 
-/// Makes tiles of a picture by a compiled camera; refers to all of it but the name. A damaged tile
-/// of the camera is a FileError. @param name of the camera, for messages
+/// The work that renders tiles with a compiled camera. It keeps references to all arguments except
+/// the name. A damaged tile of the camera causes a FileError. @param name of the camera, for
+/// messages
 TileWork compiled_work(const CompiledScene& scene, const CompiledCamera& camera,
                        const RenderSettings& settings, const std::string& name);
 

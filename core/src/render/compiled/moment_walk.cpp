@@ -10,7 +10,7 @@
 namespace plenoflame {
 namespace {
 
-/// Functions are of order 1: below this a point adds nothing new to those that are kept.
+/// Functions are of order 1. Below this value a point is a linear combination of the kept points.
 constexpr double kDependent = 1e-7;
 
 }  // namespace
@@ -36,7 +36,7 @@ void MomentWalk::start() {
   std::fill(points_.begin(), points_.end(), kFree);
 }
 
-/// The new point's values take the place of those there.
+/// Replaces the values of the point at `place` by those of the new point.
 inline void MomentWalk::exchange(std::size_t place, const double* change, std::size_t n) {
   const double pivot = 1 / change[place];
   for (std::size_t k = 0; k < n; ++k) {
@@ -47,8 +47,8 @@ inline void MomentWalk::exchange(std::size_t place, const double* change, std::s
   }
 }
 
-/// Most of the time of compiling a camera is spent here, with 8 functions: no branch but one
-/// depends on what comes out.
+/// Compiling a camera spends most of its time here, with 8 functions. Only one branch depends on
+/// the results.
 template <std::size_t n>
 void MomentWalk::add_to_full(std::size_t point, const double* values, double weight,
                              WalkRandom& random) {
@@ -58,7 +58,7 @@ void MomentWalk::add_to_full(std::size_t point, const double* values, double wei
     for (std::size_t i = 0; i < n; ++i) c[i] += column[i] * values[k];
   }
   constexpr double kNever = std::numeric_limits<double>::infinity();
-  double up[n], down[n];  // how far the walk can go until this weight vanishes
+  double up[n], down[n];  // length of the walk until this weight vanishes
   for (std::size_t i = 0; i < n; ++i) {
     const double ratio = weights_[i] / c[i];
     up[i] = c[i] > 0 ? ratio : kNever;
@@ -74,7 +74,7 @@ void MomentWalk::add_to_full(std::size_t point, const double* values, double wei
   const double* const way = goes_up ? up : down;
   const auto leaves = static_cast<std::size_t>(std::find(way, way + n, std::abs(step)) - way);
   for (std::size_t i = 0; i < n; ++i) weights_[i] = std::max(0.0, weights_[i] - step * c[i]);
-  if (leaves == n) return;  // the point itself
+  if (leaves == n) return;  // the new point itself leaves
   exchange(leaves, c, n);
   points_[leaves] = point;
   weights_[leaves] = weight + step;
@@ -88,8 +88,8 @@ void MomentWalk::add(std::size_t point, const double* values, double weight, Wal
     const double* const column = inverse_.data() + k * n_;
     for (std::size_t i = 0; i < n_; ++i) c[i] += column[i] * values[k];
   }
-  // The values are the sum of c[i] times those of the kept points and of unit vectors, in whose
-  // place the point goes where it has a part of them.
+  // The values are the sum of c[i] times the vectors of the basis. The basis has the kept points'
+  // values and unit vectors. The point replaces a unit vector with a nonzero c[i].
   std::size_t best = n_;
   for (std::size_t i = 0; i < n_; ++i)
     if (points_[i] == kFree && std::abs(c[i]) > kDependent &&
@@ -102,7 +102,7 @@ void MomentWalk::add(std::size_t point, const double* values, double weight, Wal
     weights_[best] = weight;
     return;
   }
-  // More of the point and less of the others, or the other way round.
+  // The point gains weight and the others lose it, or the reverse.
   double more = std::numeric_limits<double>::infinity(), less = weight;
   std::size_t leaves_more = n_, leaves_less = n_;
   for (std::size_t i = 0; i < n_; ++i) {
@@ -115,7 +115,7 @@ void MomentWalk::add(std::size_t point, const double* values, double weight, Wal
   const std::size_t leaves = goes_up ? leaves_more : leaves_less;
   for (std::size_t i = 0; i < n_; ++i)
     if (points_[i] != kFree) weights_[i] = std::max(0.0, weights_[i] - step * c[i]);
-  if (leaves == n_) return;  // the point itself
+  if (leaves == n_) return;  // the new point itself leaves
   exchange(leaves, c, n_);
   points_[leaves] = point;
   weights_[leaves] = weight + step;

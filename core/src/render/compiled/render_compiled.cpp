@@ -31,7 +31,7 @@ bool meet(const PixelWindow& a, const PixelWindow& b) {
   return a.x < b.x + b.width && b.x < a.x + a.width && a.y < b.y + b.height && b.y < a.y + a.height;
 }
 
-/// One way through the camera, and what its rays see.
+/// A spectral path, and the medium that its rays see.
 struct NodePath {
   explicit NodePath(const CompiledScene& path) : scene(path), medium(path) {}
   const CompiledScene& scene;
@@ -47,7 +47,7 @@ class NodeIntegrator {
       : camera_(camera), paths_(paths), options_(options), columns_(kRadiance + nodes) {}
 
   /// Adds the pixels of a tile of the film.
-  /// @param content gives what a tile of the camera keeps
+  /// @param content returns the content of a tile of the camera
   template <class Content>
   void add_to(int film_tile, const Film& tiles, Film& film, const Content& content) {
     const PixelWindow place = film.tile(film_tile);
@@ -153,8 +153,8 @@ class NodeIntegrator {
   const std::vector<std::unique_ptr<NodePath>>& paths_;
   MediumOptions options_;
   AlignedColumns<Real> columns_;
-  PixelWindow place_;       ///< of the film's tile
-  double* sums_ = nullptr;  ///< of that tile
+  PixelWindow place_;       ///< window of the film's tile
+  double* sums_ = nullptr;  ///< sums of that tile
   std::vector<std::size_t> targets_ = std::vector<std::size_t>(kNodesOfBatch);  ///< of the nodes
   std::vector<double> weights_ = std::vector<double>(kNodesOfBatch);
   std::vector<int> parts_ = std::vector<int>(kNodesOfBatch + kRayPadding);
@@ -178,7 +178,7 @@ void add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
   MediumOptions options;
   options.isa = settings.isa;
   options.skip = settings.skip;
-  // A tile of the camera may lie in up to four of the film: only one worker adds to each of these.
+  // A tile of the camera may overlap four tiles of the film. Only one worker adds to each of these.
   const Film tiles(camera.window, 1, 1);
   const auto threads = static_cast<std::size_t>(execution.thread_count());
   std::mutex mutex;
@@ -211,7 +211,7 @@ bool is_single(const CompiledScene& scene, const RenderSettings& settings) {
          (settings.precision == Precision::automatic && single_precision_suffices(scene));
 }
 
-/// All tiles of the part. @return false when it was stopped
+/// Adds all tiles of the part. @return false when it was stopped
 bool add_all_tiles(const TileWork& work, const RenderSettings& settings, const Execution& execution,
                    RenderResult& result) {
   Film& film = result.film;

@@ -48,12 +48,12 @@ void TileBundles::add(const RayBlock<float>& block) {
     rays_.push_back(
         {{static_cast<float>(dot(at, camera_.across)), static_cast<float>(dot(at, camera_.down)),
           static_cast<float>(dot(d, camera_.across)), static_cast<float>(dot(d, camera_.down))},
-         2 * block.etendue[i]});  // either set alone makes the picture
+         2 * block.etendue[i]});  // each set alone gives the picture
   }
 }
 
 CompiledContent TileBundles::finish() {
-  // By key, rays of the same one in their order.
+  // Sorts by key; rays with equal keys keep their order.
   std::vector<std::size_t> begin(2 * std::size_t{paths_} * parts_ * Film::kTile * Film::kTile + 1);
   for (const std::uint32_t key : keys_) ++begin[key + 1];
   for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
@@ -79,7 +79,7 @@ void TileBundles::add_group(std::uint32_t key, std::span<const BundleRay> first,
   group.pixel = static_cast<std::uint16_t>(pixel);
   group.path = static_cast<std::uint8_t>(rest / (Film::kTile * Film::kTile));
   group.part = static_cast<std::uint8_t>(part);
-  // The same for a pixel in any window.
+  // Coordinates on the sensor, so that a pixel has the same seed in any window.
   const auto column = static_cast<std::uint64_t>(tile_.x) + pixel % Film::kTile;
   const auto row = static_cast<std::uint64_t>(tile_.y) + pixel / Film::kTile;
   const std::uint64_t seed =

@@ -8,16 +8,16 @@
 
 namespace plenoflame {
 
-/// Gathers the rays of a tile and makes few of them. One for each worker.
+/// Gathers the rays of a tile and reduces them to few. One object for each worker.
 class TileBundles {
  public:
-  /// @param camera its frame, window and seed   @param parts of the stop
+  /// @param camera its frame, window and seed @param parts of the stop
   TileBundles(const CompiledCamera& camera, int paths, int parts, BundleReducer reducer);
 
   void begin(const PixelWindow& tile) { tile_ = tile, keys_.clear(), rays_.clear(); }
   void add(const RayBlock<float>& block);
   CompiledContent finish();
-  double rays() const { return traced_; }  ///< that were added so far, in all tiles
+  double rays() const { return traced_; }  ///< added so far, in all tiles
 
  private:
   void add_group(std::uint32_t key, std::span<const BundleRay> first,
@@ -28,7 +28,7 @@ class TileBundles {
   BundleReducer reducer_;
   PixelWindow tile_;
   std::vector<std::uint32_t> keys_;       ///< of each ray: pixel, path, part, set
-  std::vector<BundleRay> rays_, sorted_;  ///< kept from tile to tile: some 100 MB
+  std::vector<BundleRay> rays_, sorted_;  ///< reused for all tiles: about 100 MB
   double traced_ = 0;
 };
 

@@ -19,11 +19,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kLevels = 7;  ///< of fewer points, each half of the one before
-/// The same where others go on with the sequences: every part must have points on every level.
+constexpr int kLevels = 7;  ///< of fewer points, each with half of the points before
+/// The same if later parts continue the sequences: every part needs points on every level.
 constexpr int kPartLevels = 5;
-constexpr int kLeastPoints = 1;    ///< of a replicate on the last level
-constexpr int kPartEntries = 256;  ///< of a pool whose sequences others go on with
+constexpr int kLeastPoints = 1;    ///< points of a replicate on the last level
+constexpr int kPartEntries = 256;  ///< entries of a pool whose sequences are continued
 
 Execution alone() {
   Execution execution;
@@ -31,8 +31,8 @@ Execution alone() {
   return execution;
 }
 
-/// The farthest that middles of pixels which record a microlens' light lie from its centre [m], but
-/// for half a pixel.
+/// Largest distance from a microlens' centre to the middles of pixels that record its light [m],
+/// except for half a pixel.
 double micro_image_reach(const CompiledScene& scene) {
   double reach = 0;
   for (const PupilTable& table : scene.pupils.tables())
@@ -42,7 +42,7 @@ double micro_image_reach(const CompiledScene& scene) {
   return reach + std::max(beside.x, beside.y);
 }
 
-/// The farthest that a tilt moves the places of microlenses over the sensor [m].
+/// Largest displacement of microlenses over the sensor by a tilt [m].
 double shift_by_tilt(const Camera& camera) {
   const double corner = camera.spec().sensor.corner();
   const double tilt = length(camera.spec().array.tilt);
@@ -116,7 +116,7 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
   return plan;
 }
 
-/// The tracer of one thread: that of a range, until jobs of another one come.
+/// The tracer of one thread. It belongs to a range until jobs of another range arrive.
 template <class Real>
 class Tracer {
  public:
@@ -141,7 +141,7 @@ class Tracer {
   const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans_;
   std::unique_ptr<PictureTracer<Real>> current_;
   std::size_t range_ = 0;
-  WorkCounters counters_;  ///< of those before
+  WorkCounters counters_;  ///< counts of earlier tracers
 };
 
 template <class Real>
@@ -227,7 +227,8 @@ void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
                   const PixelWindow& window, RenderStatistics& statistics) {
   const Camera& camera = scene.camera;
   if (!camera.has_array()) return;
-  // Lenses of the first path stand for those of all: colours move beams by less than their margins.
+  // Lenses of the first path represent all paths: dispersion moves beams by less than their
+  // margins.
   const SceneBeams* const beams = shared.paths.front().beams.get();
   const double reach = micro_image_reach(scene);
   const Vec2 margin{reach, reach};
@@ -244,7 +245,8 @@ bool single_precision_suffices(const CompiledScene& scene) {
   const auto fine = [&](const Box& box, double feature_size) {
     if (box.empty()) return true;
     const double distance = length(0.5 * (box.lower + box.upper) - scene.camera.spec().position);
-    // Directions carry a few units of 6e-8: a ray wanders by 3e-7 of the distance.
+    // Single precision changes directions by a few units of 6e-8. A ray deviates by 3e-7 of the
+    // distance.
     return 3e-7 * distance < 0.02 * feature_size;
   };
   return (!scene.medium || fine(scene.medium->bounds(), scene.medium->feature_size())) &&
@@ -258,19 +260,19 @@ bool in_single_precision(const CompiledScene& scene, const RenderSettings& setti
          (settings.precision == Precision::automatic && single_precision_suffices(scene));
 }
 
-/// The table of radiance for a scene; nullptr where the settings refuse it or it would not pay.
-/// @param behind_windows nullptr: the medium is seen straight, or the scene's windows are others
+/// The radiance table for a scene; nullptr if the settings exclude it or if it would not save time.
+/// @param behind_windows nullptr: no windows are in front of the medium, or they are not supported
 std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
                                                    const RenderSettings& settings,
                                                    const Medium* behind_windows) {
   if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
-  // The table knows whole lines, which surfaces cut; and windows bend, but for those of a medium
-  // that knows them.
+  // The table describes infinite lines, which surfaces cut. Windows bend lines, unless the medium
+  // takes them into account.
   if (!scene.medium || scene.surfaces || (scene.windows && !behind_windows) ||
       !scene.lights.environment.empty())
     return nullptr;
-  if (!scene.part_mixes.empty()) return nullptr;  // nor does it know where they cross the stop
-  if (!scene.scatterers.empty()) return nullptr;  // walks take far longer than it could save
+  if (!scene.part_mixes.empty()) return nullptr;  // the table ignores where rays cross the stop
+  if (!scene.scatterers.empty()) return nullptr;  // walks take far longer than a table could save
   const Box box = scene.medium->bounds();
   MediumOptions options;
   options.isa = settings.isa;
@@ -278,7 +280,7 @@ std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
   const Vec3 anchor = 0.5 * (box.lower + box.upper);
   const Medium& medium = behind_windows ? *behind_windows : *scene.medium;
   if (scene.mix.empty()) return RadianceTable::make(scene.camera, medium, anchor, options);
-  // It holds channels, whatever stands for them.
+  // The table holds channels, also if quadrature wavelengths represent them.
   auto sum = std::make_unique<ChannelSum>(medium, scene.mix);
   std::unique_ptr<RadianceTable> table = RadianceTable::make(scene.camera, *sum, anchor, options);
   if (table) table->keep(std::move(sum));
@@ -305,7 +307,7 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
   plans.resize(ranges_.size() * media_.size());
   Execution execution;
   execution.threads = threads;
-  // Wavelengths with ways of their own take the same numbers: caches hold them once.
+  // Paths of all wavelengths use the same numbers, so that caches hold them once.
   std::vector<std::shared_ptr<const SobolPools>> pools(ranges_.size());
   parallel_for(execution, pools.size(), [&](std::size_t r, int) {
     pools[r] = make_pools(settings, ranges_[r], pools.size() == 1 ? execution : alone());
@@ -342,7 +344,7 @@ bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execut
                        RenderStatistics& statistics, const TileDone& tile_done) const {
   std::vector<bool> seen(static_cast<std::size_t>(film.tile_count()));
   for (const TileJob& job : jobs) {
-    // Two threads would add to the same sums.
+    // Otherwise two threads would add to the same sums.
     if (seen[static_cast<std::size_t>(job.tile)])
       throw std::logic_error("a tile comes twice in a pass");
     seen[static_cast<std::size_t>(job.tile)] = true;

@@ -58,7 +58,7 @@ BenchmarkPoint benchmark_point(const CompiledScene& scene, RenderSettings settin
       truth_variance += std::pow(static_cast<double>(truth.standard_error.pixels[i]), 2);
     }
   }
-  // Both errors are independent: their squares add up in the difference.
+  // Both errors are independent, so their squares add up in the difference.
   const double own = squares / repeat - truth_variance;
   point.relative_rmse = std::sqrt(std::max(0.0, own) / lit) / (total / lit);
   point.relative_bias = difference / repeat / total;

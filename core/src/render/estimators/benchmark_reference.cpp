@@ -24,7 +24,7 @@ std::string_view bytes_of(const Image& image) {
   return {reinterpret_cast<const char*>(image.pixels.data()), image.pixels.size() * sizeof(float)};
 }
 
-/// The checksum of everything in a light field but the checksum itself.
+/// The checksum of all data of a light field except for the checksum itself.
 std::string checksum(const LightField& field) {
   Fnv sum;
   const auto add = [&sum](const auto&... parts) { (sum.add(fmt::format("{}|", parts)), ...); };
@@ -47,7 +47,7 @@ std::string checksum(const LightField& field) {
   return fmt::format("{:016x}", sum.value());
 }
 
-/// Everything that the picture is made from but the program itself.
+/// All inputs of the picture, except for the program itself.
 std::string key_of(const Scene& scene, const PixelWindow& window) {
   Fnv key;
   key.add(write_scene(scene));
@@ -60,7 +60,7 @@ std::string key_of(const Scene& scene, const PixelWindow& window) {
   return fmt::format("{:016x}", key.value());
 }
 
-/// The reference from a file; without value when it is not there or of no use.
+/// The reference from a file; no value if the file is missing or does not fit.
 std::optional<LightField> from_cache(const std::string& file, const ReferenceSettings& settings,
                                      std::uint64_t seed, const Execution& execution) {
   std::error_code none;

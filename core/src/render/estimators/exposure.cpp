@@ -15,8 +15,8 @@
 namespace plenoflame {
 namespace {
 
-/// Calls `take` with the first pixel of each row of a tile in an image of the window, and in what a
-/// film holds of a channel of the tile.
+/// Calls `take` for each row of a tile. Its arguments are the row's first pixel in an image of the
+/// window, its first value among the tile's sums, and its width.
 template <class Take>
 void for_rows(const PixelWindow& tile, const PixelWindow& window, const Take& take) {
   const auto width = static_cast<std::size_t>(tile.width);
@@ -39,7 +39,7 @@ bool is_dark(const Image& image, const PixelWindow& tile, const PixelWindow& win
 }
 
 /// Adds a moment's picture to the sums over moments (ExposureState::sums).
-/// @param together errors of the moments are those of the same rays, and add up as they are
+/// @param together moments use the same rays, so that their errors add up linearly
 void add(const LightField& picture, double share, bool together, Film& sums) {
   const std::size_t channels = picture.channels.size();
   const bool errors = !picture.channels.front().standard_error.empty();
@@ -78,7 +78,7 @@ void add(const LightField& picture, double share, bool together, Film& sums) {
   }
 }
 
-/// Tiles that the sums do not hold are dark in every moment.
+/// Tiles without sums are dark in every moment.
 void put_mean(const Film& sums, LightField& picture) {
   const std::size_t channels = picture.channels.size();
   for (int t = 0; t < sums.tile_count(); ++t) {
@@ -101,7 +101,7 @@ void put_mean(const Film& sums, LightField& picture) {
   }
 }
 
-/// Work of one more moment; what is said of the picture as a whole is made anew.
+/// Adds the work of one more moment; values of the whole picture are computed again.
 void add(const RenderStatistics& one, RenderStatistics& all) {
   all += one;
   all.lenses += one.lenses;
@@ -132,9 +132,9 @@ class Exposure {
 
   ExposureState& state() { return state_; }
 
-  /// Renders what is missing of a pass.
-  /// @param part of all the work that the pass is
-  /// @return without channels where it was stopped
+  /// Renders the missing moments of a pass.
+  /// @param part the pass' share of all the work
+  /// @return without channels if it was stopped
   RenderResult run_pass(const Execution& part) {
     RenderResult result;
     ExposureProgress& progress = state_.progress;
@@ -168,7 +168,7 @@ class Exposure {
     return result;
   }
 
-  /// The next pass goes on with the films of this one.
+  /// The next pass continues with the films of this one.
   void begin_pass(double target) {
     const int pass = state_.progress.pass + 1;
     state_.progress = {};
@@ -178,7 +178,7 @@ class Exposure {
   }
 
  private:
-  /// Settings of the moment in progress: its seed, and its share of what is asked for.
+  /// Settings of the moment in progress: its seed, and its share of samples and time.
   RenderSettings moment_settings() const {
     const ExposureProgress& progress = state_.progress;
     const double share = moments_[progress.done].share;
@@ -188,7 +188,7 @@ class Exposure {
     settings.checkpoint = {};
     settings.target_error = progress.target;
     if (settings_.time_limit > 0) {
-      constexpr double kLeast = 1e-3;  // [s] 0 would be no limit
+      constexpr double kLeast = 1e-3;  // [s]; 0 would mean no limit
       settings.time_limit = std::max(kLeast, settings_.time_limit * share - progress.seconds);
     }
     if (!(progress.target > 0))
@@ -218,7 +218,7 @@ class Exposure {
       if (execution_.stop.stop_requested() && !one.statistics.complete && begun && keeping_.keep)
         keep(one.film);
       return one;
-    } catch (const Cancelled&) {  // before there was a ray of this moment
+    } catch (const Cancelled&) {  // stopped before the first ray of this moment
       if (begun && keeping_.keep) keeping_.keep(state_, film);
       RenderResult stopped;
       stopped.statistics.complete = false;
@@ -226,7 +226,7 @@ class Exposure {
     }
   }
 
-  /// Takes in a moment that is done.
+  /// Adds a completed moment.
   void take(RenderResult& one) {
     ExposureProgress& progress = state_.progress;
     add(one.light_field, moments_[progress.done].share, settings_.compiled != nullptr, state_.sums);
@@ -250,7 +250,7 @@ class Exposure {
   ExposureState state_;
 };
 
-/// States the error of the mean, as render() does of one picture.
+/// States the error of the mean, like render() for one picture.
 void state_error(const RenderSettings& settings, RenderResult& result) {
   const LightFieldChannel& first = result.light_field.channels.front();
   result.statistics.flux = 0;
@@ -269,8 +269,8 @@ RenderResult render_exposure(const std::vector<SceneMoment>& moments, const Mome
   if (moments.size() == 1) return render(compile(moments.front().scene), settings, execution);
   constexpr int kMostPasses = 4;
   constexpr double kLargestTarget = 0.5;
-  // Errors of moments that are alike average out: for shares w the mean of errors e has one of
-  // e sqrt(sum w^2). Where they are not alike the passes after the first bring what is missing.
+  // Errors of similar moments average out: with shares w and errors e the mean has the error e
+  // sqrt(sum w^2). If the moments differ, later passes add the missing samples.
   double squares = 0;
   for (const SceneMoment& moment : moments) squares += moment.share * moment.share;
   const double goal = settings.target_error;

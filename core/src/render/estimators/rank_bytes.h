@@ -10,8 +10,8 @@
 
 namespace plenoflame {
 
-/// Appends values to a message, as they are in memory: all ranks are of one kind. Inlined, GCC 12
-/// takes what it appends for more than the string has room for.
+/// Appends values to a message in their memory layout, which is the same on all ranks. If this
+/// function is inlined, GCC 12 warns wrongly that the string has too little room.
 template <class Value>
 [[gnu::noinline]] void put(std::string& bytes, const Value& value) {
   static_assert(std::is_trivially_copyable_v<Value>);
@@ -24,7 +24,7 @@ void put_all(std::string& bytes, const std::vector<Value>& values) {
   bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(Value));
 }
 
-/// Takes them out again. @throws Error for a message that ends too early
+/// Reads the values of a message. @throws Error for a message that ends too early
 class RankReader {
  public:
   explicit RankReader(std::string_view bytes) : rest_(bytes) {}

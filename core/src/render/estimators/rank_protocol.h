@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-// First bytes of messages within a rendering; what follows them.
+// First bytes of messages within a rendering, and the content that follows them.
 inline constexpr char kRenderEnds = 'D';  ///< from rank 0
 inline constexpr char kPassBegins = 'P';  ///< from rank 0: ranges of points
 inline constexpr char kPassReady = 'W';   ///< to rank 0: number of threads
@@ -22,7 +22,7 @@ struct RankSettings {
   std::uint64_t seed;
   PixelWindow window;
   bool skip, control_variate;
-  bool compiled;  ///< by a compiled camera
+  bool compiled;  ///< with a compiled camera
   Precision precision;
   Isa isa;
 };

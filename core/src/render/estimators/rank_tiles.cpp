@@ -15,14 +15,14 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The longest time that rank 0 waits between two looks for messages: a tile takes far longer, and
-/// the others have the next one already.
+/// The longest time that rank 0 waits before it checks for messages. A tile takes far longer, and
+/// the other ranks already have their next tile.
 constexpr auto kLongestPause = 1000us;
 constexpr auto kShortestPause = 50us;
 
 }  // namespace
 
-/// The jobs of a run, for the threads of rank 0 and for the others.
+/// The jobs of a run, for the threads of rank 0 and for the other ranks.
 class RankTiles::Queue {
  public:
   explicit Queue(const std::vector<TileJob>& jobs) : jobs_(jobs) {}
@@ -39,7 +39,7 @@ class RankTiles::Queue {
     const std::lock_guard lock(mutex_);
     closed_ = true;
   }
-  /// @return true when all were handed out
+  /// @return true when all jobs were handed out
   bool finished() const {
     const std::lock_guard lock(mutex_);
     return next_ == jobs_.size();
@@ -64,7 +64,7 @@ RankTiles::RankTiles(Communicator& ranks, const RenderSettings& settings, std::s
 RankTiles::~RankTiles() {
   try {
     send_all(std::string(1, kRenderEnds));
-  } catch (...) {  // no memory: the others will be told to quit
+  } catch (...) {  // out of memory: the other ranks are told to quit later
   }
 }
 
@@ -91,7 +91,7 @@ int RankTiles::other_threads() const {
   return threads;
 }
 
-/// Each thread of the others gets a tile, and some one more ahead as long as there are enough.
+/// Gives a tile to each thread of the other ranks, and some more in advance while many are left.
 void RankTiles::hand_out(Queue& queue, Film& film) {
   for (int rank = 1; rank < ranks_.size(); ++rank) {
     Rank& other = others_[static_cast<std::size_t>(rank)];
@@ -112,7 +112,7 @@ void RankTiles::hand_out(Queue& queue, Film& film) {
   }
 }
 
-/// @return whether it was about something
+/// @return true if the message concerned a tile or a pass
 bool RankTiles::take(const RankMessage& message, const std::vector<PointRange>* ranges, Film* film,
                      const TileDone* tile_done) {
   Rank& other = others_.at(static_cast<std::size_t>(message.from));
@@ -125,7 +125,7 @@ bool RankTiles::take(const RankMessage& message, const std::vector<PointRange>* 
       const auto job = reader.get<TileJob>();
       const auto rays = reader.get<double>();
       --other.has;
-      if (!film) return true;  // the run has ended without it
+      if (!film) return true;  // the run ended before this tile
       std::vector<double> sums = reader.get_all<double>();
       if (!sums.empty()) film->tile_sums(job.tile) = std::move(sums);
       film->add_samples(job.tile, (*ranges)[job.range].points);

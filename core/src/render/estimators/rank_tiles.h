@@ -13,31 +13,31 @@
 
 namespace plenoflame {
 
-/// Shares the tiles of a rendering among ranks: the part of rank 0, which keeps the film and
-/// decides everything. A tile goes to whoever is free, with the sums that it has so far, and comes
-/// back with more: the film does not depend on who worked on what. While it exists the other ranks
+/// Shares the tiles of a rendering among ranks. This is the part of rank 0, which keeps the film
+/// and makes all decisions. A tile goes to a free rank with its sums and comes back with more. The
+/// film does not depend on the distribution of the work. While this object exists, the other ranks
 /// serve this rendering.
 class RankTiles {
  public:
-  /// @param stop ends the run at once: tiles that others have are left to a later one
+  /// @param stop ends the run at once: tiles of other ranks are left to a later run
   RankTiles(Communicator& ranks, const RenderSettings& settings, std::stop_token stop);
   ~RankTiles();
   RankTiles(const RankTiles&) = delete;
   RankTiles& operator=(const RankTiles&) = delete;
 
-  /// The other ranks make the same pass.
+  /// Starts the same pass on the other ranks.
   void begin_pass(const std::vector<PointRange>& ranges);
   /// Does the work with the other ranks' help. @throws Error when one of them fails
   bool run(const TileWork& work, const std::vector<PointRange>& ranges,
            const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
            RenderStatistics& statistics, const TileDone& tile_done);
-  /// Adds what the other ranks counted, and how many they are.
+  /// Adds the counts of the other ranks, and their number.
   void end_pass(RenderStatistics& statistics);
 
  private:
   struct Rank {
     int threads = 0;                   ///< 0: its pass is not ready
-    std::size_t has = 0;               ///< tiles
+    std::size_t has = 0;               ///< number of its tiles in work
     std::optional<WorkCounters> work;  ///< of the pass that ended
   };
   class Queue;
@@ -52,8 +52,8 @@ class RankTiles {
 
   Communicator& ranks_;
   std::stop_token stop_;
-  std::vector<Rank> others_;  ///< by rank; that of rank 0 is not used
-  std::vector<TileJob> out_;  ///< what the others have
+  std::vector<Rank> others_;  ///< by rank; the entry of rank 0 is unused
+  std::vector<TileJob> out_;  ///< tiles in work on other ranks
   int own_threads_ = 1;
 };
 

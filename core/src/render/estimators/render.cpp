@@ -22,9 +22,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kTellingRays = 1e4;  ///< of fewer it says little that they find no light
+constexpr double kTellingRays = 1e4;  ///< fewer rays without light prove little
 
-/// Lists the effects that a rendering does without, beyond what counters count.
+/// Lists the effects that a rendering omits, in addition to the counters.
 std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettings& settings) {
   std::vector<std::string> list;
   const CameraSpec& camera = scene.scene.camera;
@@ -52,7 +52,7 @@ std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettin
 
 namespace {
 
-/// Tells whether there are finished tiles that the settings give more samples, or ask the sums of.
+/// Tells whether the settings need more samples, or the sums, of tiles that are finished.
 bool takes_more(const Film& film, const RenderSettings& settings) {
   if (!film.has_finished_tiles()) return false;
   if (!has_fixed_samples(settings) || settings.keep_sums) return true;
@@ -93,7 +93,7 @@ void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
   for (int c = 0; c < channels; ++c) {
     LightFieldChannel channel;
     channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
-    // A film that is gone on with keeps them.
+    // A film to be continued keeps its sums.
     FilmImages images =
         statistics.complete ? film.take_images(c, execution) : film.images(c, execution);
     channel.flux = std::move(images.flux);
@@ -109,7 +109,7 @@ void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
     statistics.relative_error_bound = error.bound;
   }
   statistics.flux = sum_of(first.flux, parts, execution);
-  // A part may well see nothing of the flame.
+  // A part of a picture may miss the flame.
   if (statistics.complete && !(statistics.flux > 0) && has_content(scene) &&
       settings.part.is_whole()) {
     if (statistics.rays >= kTellingRays)
@@ -127,7 +127,7 @@ void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
   for (const double tile : film.all_tile_samples()) samples = std::max(samples, tile);
   field.samples = samples * settings.replicates;
   field.numbers["render.replicates"] = settings.replicates;
-  // A picture that is gone on with must know them.
+  // A picture to be continued must hold the samples of its tiles.
   if (const std::string tiles = tile_samples_text(film); !tiles.empty())
     field.texts[kTileSamples] = tiles;
   if (!settings.part.is_whole()) field.texts[kPartOfPicture] = to_string(settings.part);
@@ -163,7 +163,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     if (settings.resume->is_taken())
       throw UsageError("the film to go on from is that of a picture that is complete");
     film = takes_more(*settings.resume, settings) ? reopened(*settings.resume) : *settings.resume;
-    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings say whether
+    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings decide
   }
   if (has_content(scene)) {
     if (forward) {

@@ -15,14 +15,14 @@ RenderSettings render_settings(const Scene& scene, const RenderRequest& request)
   const bool open_ended = request.target_error || request.time_limit;
   settings.samples = request.samples.value_or(open_ended ? kMostSamples : spec.samples);
   if (settings.estimator == Estimator::forward) {
-    // A scene that is made for the other estimator says nothing about how many bundles are needed.
+    // A scene for the other estimator does not tell how many bundles are needed.
     const bool scene_says =
         spec.estimator == Estimator::forward && spec.samples != RenderSpec{}.samples;
     if (!request.samples && !scene_says) settings.samples = kForwardSamples;
     if (!request.samples && open_ended) settings.samples = kMostBundles;
     settings.replicates = std::min(kForwardReplicates, settings.samples);
   }
-  // One sample alone tells nothing of its error.
+  // A single sample gives no estimate of its error.
   settings.replicates = std::clamp(settings.samples, 1, settings.replicates);
   return settings;
 }

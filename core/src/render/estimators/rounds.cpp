@@ -20,9 +20,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kFirstPoints = 8;  ///< of each replicate in the first round
-constexpr int kDarkPoints = 64;  ///< of each replicate, until what shows no light is called dark
-constexpr double kGoalMargin = 0.97;  ///< on the mean square: a last round of its own costs more
+constexpr int kFirstPoints = 8;       ///< points of each replicate in the first round
+constexpr int kDarkPoints = 64;       ///< points of each replicate before a picture counts as dark
+constexpr double kGoalMargin = 0.97;  ///< on the mean square: avoids a short last round
 
 /// Mean square error of every tile's lit pixels, and of the whole image, first channel.
 struct TileErrors {
@@ -44,7 +44,7 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
   parallel_for(execution.threads_only(), tiles, [&](std::size_t t, int) {
     const PixelWindow tile = film.tile(static_cast<int>(t));
     double tile_squares = 0, tile_lit = 0;
-    if (film.tile_sums(static_cast<int>(t)).empty()) return;  // nothing has been sent there
+    if (film.tile_sums(static_cast<int>(t)).empty()) return;  // without rays
     for (int row = tile.y - film.window().y; row < tile.y - film.window().y + tile.height; ++row)
       for (int column = tile.x - film.window().x; column < tile.x - film.window().x + tile.width;
            ++column) {
@@ -68,9 +68,9 @@ TileErrors measure_errors(const Film& film, const Execution& execution) {
   return errors;
 }
 
-/// The tiles in an order whose beginning stands for all of it: neighbours cost about the same
-/// number of rays, so that row by row the time for all would not be known before the end. Steps of
-/// the golden section of the number (Weyl's sequence) fill it evenly.
+/// Orders the tiles so that the first of them are representative of all. Neighbours cost about the
+/// same number of rays. Row by row, the total time would stay unknown until the end. Steps by the
+/// golden ratio of the number of tiles (Weyl's sequence) cover it evenly.
 std::vector<int> spread(const std::vector<int>& tiles) {
   const std::size_t count = tiles.size();
   auto step = static_cast<std::size_t>(0.6180339887498949 * static_cast<double>(count));
@@ -81,7 +81,7 @@ std::vector<int> spread(const std::vector<int>& tiles) {
   return order;
 }
 
-/// The parts that the passes of a run have in common.
+/// The common arguments of the passes of a run.
 struct RunParts {
   const RenderSettings& settings;
   const Execution& execution;
@@ -89,10 +89,10 @@ struct RunParts {
   RenderStatistics& statistics;
   Checkpoints& checkpoints;
   TileProgress& progress;
-  RankTiles* ranks;  ///< nullptr: there is no other
+  RankTiles* ranks;  ///< nullptr: there are no other ranks
 };
 
-/// Runs the jobs of a pass, a part of them at a time where the state is to be kept in between.
+/// Runs the jobs of a pass in batches. The state is saved between batches.
 /// @param ranges of the pass
 bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ranges,
                     const std::vector<TileJob>& jobs, const RunParts& run) {
@@ -117,11 +117,11 @@ bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ran
   return true;
 }
 
-/// Brings every tile to a number of samples, at one go.
+/// Brings every tile to a number of samples in one uninterrupted run.
 void render_fixed(const CompiledScene& scene, const RenderSettings& settings, int points,
                   const Execution& execution, Film& film, RenderStatistics& statistics,
                   const BackwardShared& shared, RunProgress& progress, RankTiles* ranks) {
-  std::map<int, std::vector<int>> groups;  // by the samples that they have
+  std::map<int, std::vector<int>> groups;  // by their number of samples
   const Part& part = settings.part;
   std::vector<double> goals(static_cast<std::size_t>(film.tile_count()), points);
   for (int t = 0; t < film.tile_count(); ++t)
@@ -137,7 +137,7 @@ void render_fixed(const CompiledScene& scene, const RenderSettings& settings, in
   for (const auto& [done, tiles] : groups) {
     std::vector<TileJob> jobs;
     for (const int tile : spread(tiles)) jobs.push_back({tile});
-    // A tile that goes on with a sequence takes its further points.
+    // A tile that continues a sequence takes its next points.
     const std::vector<PointRange> ranges{
         {static_cast<std::uint32_t>(done), points - done, done > 0}};
     if (ranks) ranks->begin_pass(ranges);
@@ -154,21 +154,20 @@ bool is_started(const Film& film) {
                      [](double s) { return s > 0; });
 }
 
-/// Tells whether any ray was sent: without, the picture is known to be dark.
+/// Tells whether any ray was traced. Without rays the picture is known to be dark.
 bool is_sent(const Film& film) {
   for (int t = 0; t < film.tile_count(); ++t)
     if (!film.tile_sums(t).empty()) return true;
   return false;
 }
 
-/// Tells whether the target is met. Of a picture that has been dark so far no relative error is
-/// known.
+/// Tells whether the target is met. The relative error of a picture that is still dark is unknown.
 bool is_met(const Film& film, const TileErrors& errors, const RenderSettings& settings) {
   return settings.target_error > 0 && errors.stated.bound <= settings.target_error &&
          (errors.mean_flux > 0 || !is_sent(film));
 }
 
-/// Tells whether enough rays found no light to give up.
+/// Tells whether the rendering can end because enough rays found no light.
 bool seems_dark(const Film& film, const TileErrors& errors) {
   if (errors.mean_flux > 0) return false;
   for (int t = 0; t < film.tile_count(); ++t)
@@ -176,7 +175,7 @@ bool seems_dark(const Film& film, const TileErrors& errors) {
   return true;
 }
 
-/// Tells whether a round was decided on and not ended.
+/// Tells whether a round has begun and not ended.
 bool in_a_round(const Film& film) {
   for (int t = 0; t < film.tile_count(); ++t)
     if (!film.tile_goals().empty() &&
@@ -185,15 +184,15 @@ bool in_a_round(const Film& film) {
   return false;
 }
 
-/// Mean square error at one sample per replicate, as kErrorSlope foresees it.
+/// Error coefficient: mean square error at one sample per replicate, extrapolated with kErrorSlope.
 double difficulty_of(const Film& film, const TileErrors& errors, int tile) {
   const double square = errors.mean_square[static_cast<std::size_t>(tile)];
   return square * std::pow(std::max(1.0, film.tile_samples(tile)), 2 * kErrorSlope);
 }
 
-/// The difficulty that decides about a tile: that of its lit neighbours, not its own. Errors change
-/// little from tile to tile; but samples that decide whether more are taken would bias the mean
-/// (where they scatter little they also lie low).
+/// The error coefficient from which the samples of a tile follow: the mean over its lit neighbours.
+/// Errors change little from tile to tile. A tile's own samples must not decide about more samples,
+/// since this would bias the mean: samples with little scatter also tend to be low.
 double deciding_difficulty(const Film& film, const TileErrors& errors, int tile, double mean) {
   const int across = film.tiles_across(), down = film.tile_count() / across;
   const int x = tile % across, y = tile / across;
@@ -210,13 +209,13 @@ double deciding_difficulty(const Film& film, const TileErrors& errors, int tile,
                                                                   : 0;
 }
 
-/// Samples per replicate that each tile shall have.
+/// Planned samples per replicate of each tile.
 struct RoundPlan {
   std::vector<int> samples;    ///< after the next round
-  std::vector<double> at_end;  ///< as foreseen, after the last; empty: nothing is known yet
+  std::vector<double> at_end;  ///< estimate after the last round; empty: unknown
 };
 
-/// The samples that tiles will have when the goal is met: a round takes none beyond some doublings.
+/// Estimates the samples of tiles when the goal is met. A single round adds only some doublings.
 std::vector<double> foreseen_samples(const std::vector<TileNeed>& needs,
                                      const std::vector<int>& samples, double goal, int limit) {
   double squares = 0, lit = 0;
@@ -234,7 +233,7 @@ std::vector<double> foreseen_samples(const std::vector<TileNeed>& needs,
   return at_end;
 }
 
-/// Plans the next round. Without a target: half the error of the image.
+/// Plans the next round. Without a target its goal is half the error of the image.
 RoundPlan plan_round(const Film& film, const RenderSettings& settings, const TileErrors& errors,
                      int limit) {
   RoundPlan plan;
@@ -242,7 +241,7 @@ RoundPlan plan_round(const Film& film, const RenderSettings& settings, const Til
   for (const double done : film.all_tile_samples())
     samples.push_back(done > 0 ? static_cast<int>(done) : std::min(kFirstPoints, limit));
   if (std::count(film.all_tile_samples().begin(), film.all_tile_samples().end(), 0.0) > 0)
-    return plan;  // where nothing is known nothing can be decided
+    return plan;  // a decision needs rays in every tile
   double mean = 0, tiles_lit = 0, squares = 0, lit = 0;
   for (int t = 0; t < film.tile_count(); ++t) {
     const auto i = static_cast<std::size_t>(t);
@@ -251,12 +250,12 @@ RoundPlan plan_round(const Film& film, const RenderSettings& settings, const Til
     squares += errors.mean_square[i] * errors.lit[i];
     lit += errors.lit[i];
   }
-  if (!(lit > 0)) {  // dark so far, everywhere
+  if (!(lit > 0)) {  // the whole image is still dark
     for (int& n : samples) n = std::min(2 * n, limit);
     return plan;
   }
   mean /= std::max(1.0, tiles_lit);
-  // It is the bound that has to come below the target.
+  // The bound of the error has to fall below the target.
   const double goal = settings.target_error * errors.mean_flux * errors.stated.relative_rmse /
                       std::max(errors.stated.bound, 1e-300);
   const double goal_squared =
@@ -269,17 +268,18 @@ RoundPlan plan_round(const Film& film, const RenderSettings& settings, const Til
     needs.push_back({errors.lit[i], film.tile_samples(t), difficulty});
     foreseen += errors.lit[i] * difficulty * std::pow(film.tile_samples(t), -2 * kErrorSlope);
   }
-  // Neighbours' errors decide where samples go; how many are needed, all of the image's.
+  // The errors of neighbours decide the distribution of samples, and the error of the whole image
+  // their number.
   if (foreseen > 0)
     for (TileNeed& need : needs) need.difficulty *= squares / foreseen;
   samples = plan_samples(needs, goal_squared, limit);
-  // Without a target rounds go on until time or samples end.
+  // Without a target, rounds continue until time or samples end.
   plan.at_end =
       foreseen_samples(needs, samples, settings.target_error > 0 ? goal_squared : 0, limit);
   return plan;
 }
 
-/// Brings every tile to its goal: each goes on where its own sequence stands.
+/// Brings every tile to its goal; each tile continues its own sequence.
 /// @return false when it was stopped
 bool run_round(const CompiledScene& scene, const BackwardShared& shared, int most_points,
                const RunParts& run) {
@@ -289,7 +289,7 @@ bool run_round(const CompiledScene& scene, const BackwardShared& shared, int mos
     const int points = static_cast<int>(run.film.tile_goals()[static_cast<std::size_t>(t)]) - done;
     if (points > 0) groups[{std::min(points, most_points), done}].push_back(t);
   }
-  // The longest first, and as many in one pass as their pools may take memory.
+  // The longest ranges come first. One pass takes as many as the memory of the pools allows.
   std::vector<PointRange> ranges;
   std::vector<TileJob> jobs;
   int sum = 0;
@@ -319,7 +319,7 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
   Checkpoints checkpoints(settings);
   TileProgress tile_progress(progress, film);
   const RunParts run{settings, inner, film, statistics, checkpoints, tile_progress, ranks};
-  // A round that an earlier run began is known by no more than its own goals.
+  // For a round that an earlier run began, only its goals are known.
   if (in_a_round(film)) tile_progress.foresee(film, film.tile_goals());
   for (bool finished = true; finished; finished = run_round(scene, shared, most_points, run)) {
     if (in_a_round(film)) continue;
@@ -340,8 +340,8 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     else
       tile_progress.foresee(film, plan.at_end);
   }
-  // A time limit that ran out is no interruption: what is there is what was asked for, unless some
-  // of the picture has had no ray yet.
+  // The end of a time limit is no interruption. The picture is complete unless some part of it has
+  // no ray yet.
   statistics.complete = !execution.stop.stop_requested() && is_started(film);
   statistics.target_reached =
       settings.target_error <= 0 ||
@@ -356,7 +356,7 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
   const Deadline deadline(execution.stop, settings.time_limit);
   RunProgress progress(execution, settings.time_limit);
   const int points = samples_per_replicate(settings);
-  // The others make theirs meanwhile.
+  // The other ranks prepare their passes at the same time.
   std::unique_ptr<RankTiles> ranks;
   if (settings.ranks && settings.ranks->size() > 1)
     ranks = std::make_unique<RankTiles>(*settings.ranks, settings, execution.stop);

@@ -13,7 +13,7 @@ BundleCollisions::Event BundleCollisions::next(const Ray& ray, double end, std::
   Event event;
   majorants_.draw(ray, 0, end, driver, noise, event.t, [&](double t, double majorant) {
     const Vec3 place = ray.at(t);
-    // The rate of what may happen, one kind above the other, up to the largest absorption.
+    // The events share the interval up to the majorant: scattering by each flame, then absorption.
     const double rate = noise.uniform() * majorant;
     double scattered = 0;
     for (const Scatterer& scatterer : scene_.scatterers) {

@@ -7,23 +7,23 @@
 
 namespace plenoflame {
 
-/// Collisions of bundles of light in a medium, drawn as they happen: places of extinction by delta
-/// tracking (Woodcock et al., ANL-7050, 1965), and there whether the bundle is absorbed or which
-/// flame scatters it, all at one of the nodes. One per worker.
+/// Collisions of light bundles in a medium. Delta tracking draws the places of extinction (Woodcock
+/// et al., ANL-7050, 1965). At each place a random number selects absorption or the flame that
+/// scatters the bundle. All draws use one of the nodes. One object per worker.
 class BundleCollisions {
  public:
-  /// @param majorants of the scene's medium; kept
+  /// @param majorants of the scene's medium; kept by reference
   BundleCollisions(const CompiledScene& scene, const MajorantGrid& majorants);
 
   enum class Fate { passed, scattered, absorbed };
   struct Event {
     Fate fate = Fate::passed;
     double t = 0;                          ///< [m] along the ray
-    const Scatterer* scatterer = nullptr;  ///< of what is scattered
-    /// [1/m] What that one scatters there at each node; until the next call.
+    const Scatterer* scatterer = nullptr;  ///< flame that scatters the bundle
+    /// [1/m] Scattering coefficient of that flame there, at each node; valid until the next call.
     const double* scattering = nullptr;
   };
-  /// The fate of a bundle at 0 < t < end. @param driver the node at which it is drawn
+  /// The next event of a bundle at 0 < t < end, drawn at the node of its hero wavelength.
   Event next(const Ray& ray, double end, std::size_t driver, NoiseStream& noise);
 
  private:

@@ -21,12 +21,12 @@
 namespace plenoflame {
 namespace {
 
-/// About so many are traced by one thread at a time; fewer where each is scattered to the camera
-/// from many places.
+/// Approximate number of bundles that one thread traces at a time. The number is smaller if each
+/// bundle is scattered to the camera from many places.
 constexpr std::int64_t kChunkBundles = 32768, kScatteredBundles = 8192;
-constexpr double kSettled = 1.3;     ///< how much more bundles may be foreseen than a round before
-constexpr int kChunksPerThread = 8;  ///< between two merges
-/// The lookups of the emission must not be numbers that bundles use.
+constexpr double kSettled = 1.3;     ///< largest growth of a settled estimate between rounds
+constexpr int kChunksPerThread = 8;  ///< chunks between two merges
+/// The emission is sampled with numbers that no bundle uses.
 constexpr std::uint64_t kProposalSeed = 0x70726f706f73616cu;
 
 using Clock = std::chrono::steady_clock;
@@ -36,7 +36,7 @@ struct Hit {
   int column, row, replicate;
   Vec3 origin, direction;  ///< world, from the flame to the camera
   double weight;           ///< [m^3 sr] per unit of emission
-  int pupil_part;          ///< of the stop, through which it came
+  int pupil_part;          ///< part of the stop that it passed
 };
 
 class BundleTracer : public BundleSource {
@@ -113,7 +113,7 @@ void BundleTracer::attenuate(const Hit* hits, int count, ForwardChunk& chunk) co
   rays.t_near = v[6], rays.t_far = v[7];
   const auto channels = static_cast<std::size_t>(medium.channel_count());
   std::vector<double> emission(channels);
-  // The integrator gives the radiance of the way as well; only the transmittance is wanted.
+  // The integrator also returns the radiance of the path; only the transmittance is needed.
   const std::size_t stride = kMaxBatch, passes = medium.is_grey() ? 1 : channels;
   std::vector<double> results((channels + passes) * stride + 8);
   RadianceBatch<double> out;
@@ -168,12 +168,12 @@ void merge(const ForwardChunk& chunk, Film& film, RenderStatistics& statistics) 
   statistics += chunk.work;
 }
 
-/// Traces bundles in chunks: whole numbers of points (one bundle of every replicate), so that any
-/// number of leading chunks is a valid, smaller run. Chunks are merged in order: the sums do not
-/// depend on who traced what.
+/// Traces bundles in chunks of whole points (one bundle of every replicate). Any number of leading
+/// chunks is therefore a valid, smaller run. Chunks are merged in order, so that the sums do not
+/// depend on the distribution over threads.
 class Run {
  public:
-  /// @param bundles of a chunk, about
+  /// @param bundles approximate number per chunk
   Run(const BundleSource& tracer, std::int64_t bundles, const RenderSettings& settings,
       const Execution& execution, Film& film, RenderStatistics& statistics)
       : tracer_(tracer),
@@ -186,15 +186,15 @@ class Run {
         progress_(execution, settings.time_limit),
         done_(static_cast<std::int64_t>(film.tile_samples(0))) {}
 
-  /// Goes on until the film holds `points` of each replicate, which is all.
+  /// Continues until the film holds `points` of each replicate, the total number.
   /// @return false when stopped
   bool trace_all(std::int64_t points) {
     foresee(points);
     return trace_until(points);
   }
-  /// Goes on until the film holds `points` of each replicate. @return false when stopped
+  /// Continues until the film holds `points` of each replicate. @return false when stopped
   bool trace_until(std::int64_t points);
-  /// Goes on until the stated error is below the target, at most to `points`.
+  /// Continues until the stated error is below the target, with at most `points`.
   void trace_to_target(std::int64_t points);
   std::int64_t done() const { return done_; }
   void complete() { progress_.complete(); }
@@ -253,9 +253,9 @@ bool Run::trace_until(std::int64_t points) {
 }
 
 void Run::trace_to_target(std::int64_t points) {
-  // The film alone decides how far to go, at the ends of rounds only: a run that goes on from there
-  // does what the first would have done.
-  // The goal of a round is kept with the film: a round that was stopped is ended first.
+  // Only the film decides how long to continue, and only at the ends of rounds. A resumed run
+  // therefore makes the same decisions as an uninterrupted one. The film keeps the goal of a round,
+  // so that a stopped round is completed first.
   const auto goal = [&] {
     return film_.tile_goals().empty() ? 0 : static_cast<std::int64_t>(film_.tile_goals().front());
   };
@@ -263,19 +263,19 @@ void Run::trace_to_target(std::int64_t points) {
   double foreseen_before = 0;
   while (done_ < points) {
     double growth = 2;
-    std::int64_t foreseen = settings_.target_error > 0 ? 0 : points;  // 0: not known
-    double least = 0;  // about as many will be needed at least
+    std::int64_t foreseen = settings_.target_error > 0 ? 0 : points;  // 0: unknown
+    double least = 0;  // lower estimate of the number that is needed
     if (done_ > 0) {
       const StatedError now = error();
       statistics_.relative_error = now.relative_rmse;
       progress_.set_relative_error(now.relative_rmse);
       if (settings_.target_error > 0 && now.relative_rmse > 0) {
         if (now.bound <= settings_.target_error) return;
-        // Errors fall with the root of the number of bundles.
+        // Errors decrease with the square root of the number of bundles.
         growth = 1.02 * std::pow(now.bound / settings_.target_error, 2);
         const double all = growth * static_cast<double>(done_);
-        // As long as the picture gains pixels, each estimate is above the one before: by how much,
-        // in a doubling of the bundles, tells how much further it will grow.
+        // As long as the picture gains lit pixels, each estimate exceeds the one before. The rise
+        // per doubling of the bundles tells how much the estimate will still grow.
         const double before = std::exchange(foreseen_before, all);
         const double rise = before > 0 ? std::max(1.0, all / before) : kSettled;
         least = std::min(all * rise, static_cast<double>(points));
@@ -296,7 +296,7 @@ void Run::trace_to_target(std::int64_t points) {
   }
 }
 
-/// Nothing when everything is dark.
+/// Returns nullptr if everything is dark.
 std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
                                            const RenderSettings& settings, const Film& film,
                                            const EmissionProposal* proposal,
@@ -308,7 +308,7 @@ std::unique_ptr<BundleSource> make_bundles(const CompiledScene& scene,
   return bundles->dark() ? nullptr : std::move(bundles);
 }
 
-/// Bundles of all spectral paths: each goes its way once for every path.
+/// Bundles of all spectral paths: each bundle is traced once for every path.
 class PathBundles : public BundleSource {
  public:
   PathBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
@@ -327,7 +327,7 @@ class PathBundles : public BundleSource {
   }
   bool dark() const { return paths_.empty(); }
   void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const override {
-    // The only path, whose channels are the film's.
+    // There is a single path, whose channels are the film's.
     if (paths_.front().channels.empty()) return paths_.front().bundles->trace(first, end, chunk);
     for (const Path& path : paths_) {
       ForwardChunk own;
@@ -347,7 +347,7 @@ class PathBundles : public BundleSource {
 
  private:
   struct Path {
-    std::vector<int> channels;  ///< of the film, one for each of the path's; empty: the same
+    std::vector<int> channels;  ///< the film's channel for each of the path's; empty: the same
     std::unique_ptr<EmissionProposal> proposal;
     std::unique_ptr<BundleSource> bundles;
   };
@@ -380,7 +380,7 @@ void render_forward(const CompiledScene& scene, const RenderSettings& settings,
     run.trace_to_target(points);
   else
     run.trace_all(points);
-  // A time limit that ran out is no interruption: what is there is what was asked for.
+  // The end of a time limit is no interruption.
   statistics.complete = open_ended ? !execution.stop.stop_requested() : run.done() == points;
   if (statistics.complete) run.complete();
   if (settings.target_error > 0) {

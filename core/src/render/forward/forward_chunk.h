@@ -14,13 +14,13 @@ struct ForwardDeposit {
 struct ForwardChunk {
   std::vector<ForwardDeposit> deposits;
   std::vector<double> flux;      ///< one value per channel for every deposit
-  WorkCounters work;             ///< bundles are its rays, arrivals those that reached the sensor
-  std::size_t most_waiting = 0;  ///< arrivals that were kept at a time
+  WorkCounters work;             ///< its rays are bundles; arrivals are those on the sensor
+  std::size_t most_waiting = 0;  ///< largest number of arrivals kept at a time
   bool done = false;
 };
 
-/// Appends the scene's channels, summed from what stands for each of them.
-/// @param pupil_part of the stop, through which the light came
+/// Appends the scene's channels, summed over the nodes that represent each of them.
+/// @param pupil_part part of the stop that the light passed
 inline void append_channels(const CompiledScene& scene, const double* nodes, int pupil_part,
                             std::vector<double>& flux) {
   const std::size_t first = flux.size();
@@ -40,8 +40,8 @@ inline void append_channels(const CompiledScene& scene, const double* nodes, int
 class BundleSource {
  public:
   virtual ~BundleSource() = default;
-  /// Bundles first to end - 1; bundle i belongs to replicate i modulo their number. The chunk is
-  /// not done when something stopped it.
+  /// Traces bundles first to end - 1; bundle i belongs to replicate i modulo their number. If the
+  /// run is stopped, the chunk stays incomplete.
   virtual void trace(std::int64_t first, std::int64_t end, ForwardChunk& chunk) const = 0;
 };
 

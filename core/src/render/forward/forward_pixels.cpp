@@ -8,12 +8,13 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::uint64_t kBlurSeed = 0x626c7572u;  ///< apart from the bundles' numbers
-constexpr std::uint64_t kMostDraws = 64;          ///< one in 8000 is drawn again
+constexpr std::uint64_t kBlurSeed = 0x626c7572u;  ///< independent of the bundles' numbers
+constexpr std::uint64_t kMostDraws = 64;          ///< one draw in 8000 is repeated
 
 }  // namespace
 
-/// A point of the Gaussian, in pixels, by Box and Muller; beyond the cut another one.
+/// A point of the Gaussian, in pixels, by the Box-Muller method; a point beyond the cut is drawn
+/// again.
 Vec2 ForwardPixels::blurred(std::int64_t bundle, std::uint64_t number) const {
   constexpr double kCut = SensorSpec::kBlurCut;
   for (std::uint64_t draw = 0; draw < kMostDraws; ++draw) {

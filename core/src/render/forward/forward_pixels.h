@@ -7,7 +7,7 @@
 
 namespace plenoflame {
 
-/// Finds the pixels that record what arrives on the sensor.
+/// Finds the pixels that record arrivals on the sensor.
 class ForwardPixels {
  public:
   ForwardPixels(const Camera& camera, const PixelWindow& window, std::uint64_t seed)
@@ -15,9 +15,9 @@ class ForwardPixels {
   struct Place {
     int column, row;
   };
-  /// @param bundle, number which arrival it is: each has random numbers of its own
-  /// @param reached is one more if a pixel of the sensor records it @return none: no pixel of the
-  /// window does
+  /// @param bundle, number identify the arrival: each has random numbers of its own
+  /// @param reached increases by one if a pixel of the sensor records the arrival
+  /// @return none: no pixel of the window records it
   std::optional<Place> find(Vec2 sensor_point, std::int64_t bundle, std::uint64_t number,
                             double& reached) const;
 

@@ -16,12 +16,12 @@ constexpr std::uint64_t kCollisionSeed = 0x636f6c6c696465u;  ///< apart from the
 
 }  // namespace
 
-/// All bundles to where they are scattered or reflected next; what is absorbed or leaves is gone.
-/// @param step number of the place on the bundles' ways
+/// Moves all bundles to their next scattering or reflection; absorbed and escaped bundles end.
+/// @param step number of the place along the bundles' paths
 void SurfaceBundles::meet_places(std::vector<Bundle>& bundles, std::uint64_t step, Work& work,
                                  ForwardChunk& chunk) const {
   BundleCollisions collisions(scene_, *majorants_);
-  std::vector<double> happens;  // density of what happens but for the way, per bundle and node
+  std::vector<double> happens;  // density without the path's transmittance, per bundle and node
   work.segments.clear();
   const bool grey = work.segments.is_grey();
   std::size_t kept = 0;
@@ -57,8 +57,8 @@ void SurfaceBundles::meet_places(std::vector<Bundle>& bundles, std::uint64_t ste
   }
   bundles.resize(kept);
   if (grey) return;
-  // Light at a node does what a bundle that this node drives would do, so that only the densities
-  // change: each over their mean, whoever drives.
+  // Light at every node takes the path of the hero wavelength, so that only densities differ. Each
+  // weight is the node's density over the mean of all, for any hero wavelength.
   work.segments.integrate(false, chunk.work.medium);
   for (std::size_t i = 0; i < kept; ++i) {
     const std::size_t before = bundles[i].spectrum;
@@ -78,7 +78,7 @@ void SurfaceBundles::meet_places(std::vector<Bundle>& bundles, std::uint64_t ste
   }
 }
 
-/// Adds what has arrived to the chunk, and keeps the spectra of what is still on its way.
+/// Adds the arrivals to the chunk, and keeps the spectra of bundles that are still on their way.
 void SurfaceBundles::make_room(std::vector<Bundle>& bundles, Work& work,
                                ForwardChunk& chunk) const {
   deposit(work, chunk);
@@ -95,7 +95,8 @@ void SurfaceBundles::make_room(std::vector<Bundle>& bundles, Work& work,
   for (Bundle& b : bundles) b.spectrum = work.channels * next++;
 }
 
-/// From place to place, until everything is absorbed or gone. @return false when stopped
+/// Traces from place to place, until every bundle is absorbed or has escaped. @return false when
+/// stopped
 bool SurfaceBundles::scatter(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const {
   for (std::uint64_t step = 0; !bundles.empty(); ++step) {
     if (stop_.stop_requested()) return false;

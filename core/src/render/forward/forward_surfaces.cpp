@@ -18,13 +18,14 @@ namespace plenoflame {
 namespace {
 
 constexpr double kPi = constants::pi;
-/// Surroundings, for the camera, are a sphere of so many times the size of what it looks at.
+/// Surroundings, seen from the camera, are a sphere of this multiple of the size of the objects in
+/// view.
 constexpr double kFarAway = 1e4;
-/// The most arrivals that a bundle which leaves for the camera is given.
+/// Largest number of arrivals of a bundle that leaves for the camera.
 constexpr std::uint64_t kMostArrivals = 256;
 
-/// Widest angle of a leaving ray with the axis, as a versine, with a margin for what lies between
-/// the traced ones.
+/// Largest angle of a leaving ray with the axis, as a versine, with a margin for rays between the
+/// traced ones.
 double field_versine(const PupilSampling& pupils, const Camera& camera) {
   double tangent = 0;
   for (const PupilTable& table : pupils.tables())
@@ -76,7 +77,7 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
   endless_ = std::make_unique<EndlessPlanes>(scene, centre_, radius_, field_versine_);
 }
 
-/// Tells whether any surface reflects at all.
+/// Tells whether any surface reflects light.
 bool SurfaceBundles::can_reflect() const {
   return std::any_of(scene_.scene.surfaces.begin(), scene_.scene.surfaces.end(),
                      [](const SolidSurfaceSpec& surface) {
@@ -127,10 +128,10 @@ bool SurfaceBundles::start_at_flame(const Job& job, Bundle& bundle, Work& work) 
   return true;
 }
 
-/// Lines of light from far away are drawn around everything with an end, or through the points of
-/// one of the planes without end: each way as likely as the others.
+/// Density of lines of light from far away. A line is drawn around all finite surfaces, or through
+/// the points of one of the infinite planes, each with equal probability.
 /// @param any_direction from the surroundings; otherwise all lines have one direction
-/// @return [1/m^2] of cross section, for surroundings [1/(m^2 sr)], all ways together
+/// @return [1/m^2] of cross section, for surroundings [1/(m^2 sr)], over all choices together
 double SurfaceBundles::line_density(const Ray& line, bool any_direction) const {
   double sum = 0;
   if (radius_ > 0) {
@@ -143,14 +144,14 @@ double SurfaceBundles::line_density(const Ray& line, bool any_direction) const {
     double t = 0;
     if (!endless_->crossing(k, line, t)) continue;
     const double density = endless_->density(k, line.at(t));
-    // Through a point directions are drawn with the cosine, from both sides.
+    // Directions through a point are drawn with the cosine, from both sides.
     sum += any_direction ? density / (2 * kPi)
                          : density / std::fabs(dot(line.direction, endless_->normal(k)));
   }
   return sum / static_cast<double>(endless_->count() + (radius_ > 0 ? 1 : 0));
 }
 
-/// Moves the origin of a line back before everything that it may meet.
+/// Moves the origin of a line in front of everything that it may meet.
 void SurfaceBundles::start_before(Ray& line) const {
   const double nearest = dot(centre_ - line.origin, line.direction);
   line.origin = line.at(endless_->before(line, nearest - 1.01 * radius_));
@@ -170,7 +171,7 @@ bool SurfaceBundles::start_at_light(const Job& job, Bundle& bundle, Work& work) 
   const auto way = std::min(
       static_cast<std::size_t>(number(bundle.index, 1, 2) * static_cast<double>(ways)), ways - 1);
   if (way == endless_->count()) {
-    // A disc across the light, as wide as all surfaces with an end.
+    // A disc across the light, as wide as all finite surfaces.
     bundle.ray = {centre_ + radius_ * std::sqrt(u) * cone_direction(light.direction, 1, v),
                   light.direction};
   } else {
@@ -193,7 +194,7 @@ bool SurfaceBundles::start_in_surroundings(const Job& job, Bundle& bundle, Work&
     const auto way = std::min(
         static_cast<std::size_t>(number(bundle.index, 2, 0) * static_cast<double>(ways)), ways - 1);
     if (way == endless_->count()) {
-      // Any sphere around the surfaces whose inside has the radiance of the surroundings.
+      // A sphere around the surfaces; its inside has the radiance of the surroundings.
       const Vec3 outwards = cone_direction({0, 0, 1}, 2 * u, v);
       bundle.ray = {centre_ + radius_ * outwards, cosine_direction(-outwards, p, q)};
     } else {
@@ -252,9 +253,11 @@ bool SurfaceBundles::start_at_surface(const Job& job, Bundle& bundle, Work& work
   return send_on(plane, unit_uniform(a[2]), unit_uniform(a[3]), 3, bundle);
 }
 
-/// Gives a bundle that leaves a surface diffusely its direction; its weight is what leaves in all
-/// directions. @param plane the one without end that it leaves, if any @param block of numbers
-/// @return false when it goes nowhere
+/// Draws the direction of a bundle that leaves a surface diffusely. Its weight is the flux in all
+/// directions.
+/// @param plane the infinite plane that it leaves, if any
+/// @param block of numbers
+/// @return false when it leads nowhere
 bool SurfaceBundles::send_on(std::optional<std::size_t> plane, double u, double v,
                              std::uint64_t block, Bundle& bundle) const {
   if (!plane) {
@@ -330,9 +333,9 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
   }
 }
 
-/// Follows light to the camera and into it: fills work.arrivals, and adds to work.ways.
+/// Follows light to the camera and into it: fills work.arrivals, and appends to work.ways.
 /// @param ray in the world, from @param from @param origin, direction the same for the camera
-/// @param passed share that windows leave @return false when nothing arrives
+/// @param passed transmittance of the windows @return false when nothing arrives
 bool SurfaceBundles::find_way(const Ray& ray, const Vec3& origin, Vec3 direction, SurfacePart from,
                               double& passed, Work& work) const {
   work.arrivals.clear();
@@ -362,7 +365,8 @@ bool SurfaceBundles::find_way(const Ray& ray, const Vec3& origin, Vec3 direction
   return true;
 }
 
-/// All bundles to the surface that they meet next; those that meet none, or a black one, are gone.
+/// Moves all bundles to the surface that they meet next; bundles end without one, or at a black
+/// one.
 void SurfaceBundles::meet_surfaces(std::vector<Bundle>& bundles, Work& work,
                                    ForwardChunk& chunk) const {
   work.segments.clear();
@@ -385,7 +389,7 @@ void SurfaceBundles::meet_surfaces(std::vector<Bundle>& bundles, Work& work,
       bundles[i].weight *= work.segments.transmittance(i);
       continue;
     }
-    // A spectrum of its own from here on: what has arrived before keeps the old one.
+    // The bundle has a new spectrum from here on; earlier arrivals keep the old one.
     const std::size_t before = bundles[i].spectrum;
     bundles[i].spectrum = work.spectra.size();
     for (std::size_t c = 0; c < work.channels; ++c)
@@ -393,7 +397,7 @@ void SurfaceBundles::meet_surfaces(std::vector<Bundle>& bundles, Work& work,
   }
 }
 
-/// Adds what has arrived to the chunk.
+/// Adds the arrivals to the chunk.
 void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
   chunk.most_waiting = std::max(chunk.most_waiting, work.arrived.size());
   work.segments.clear();
@@ -419,7 +423,7 @@ void SurfaceBundles::deposit(Work& work, ForwardChunk& chunk) const {
   work.ends.clear();
 }
 
-/// From surface to surface.
+/// Traces reflections from surface to surface.
 void SurfaceBundles::reflect(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const {
   for (int depth = 0; depth < scene_.scene.render.reflections && !bundles.empty(); ++depth) {
     meet_surfaces(bundles, work, chunk);

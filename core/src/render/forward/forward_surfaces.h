@@ -18,15 +18,16 @@
 namespace plenoflame {
 
 /// Bundles of a scene with surfaces, lights or media that scatter. A bundle leaves a flame, a light
-/// or a hot surface either towards the camera or to light the scene; in the latter case it is
-/// reflected by surfaces and scattered by media, and at each of these places the part that goes
-/// towards the camera's aperture is traced there.
+/// or a hot surface, either towards the camera or to light the scene. In the second case surfaces
+/// reflect it and media scatter it. At each of these places its part towards the camera's aperture
+/// is traced.
 class SurfaceBundles : public BundleSource {
  public:
   static constexpr std::size_t kMostWaiting = 100'000;
-  /// @param proposal where the flames emit; nullptr: there are none, or they are dark
-  /// @param stop ends a chunk of a scene that scatters before it is done
-  /// @param most_waiting arrivals in such scenes, about, that wait for being added to the chunk
+  /// @param proposal emission of the flames; nullptr: no flames, or dark ones
+  /// @param stop may end a chunk of a scene that scatters early
+  /// @param most_waiting approximate number of arrivals in such scenes that wait to be added to the
+  /// chunk
   SurfaceBundles(const CompiledScene& scene, const RenderSettings& settings, const Film& film,
                  const EmissionProposal* proposal, std::stop_token stop = {},
                  std::size_t most_waiting = kMostWaiting);
@@ -36,32 +37,34 @@ class SurfaceBundles : public BundleSource {
 
  private:
   enum class Origin { flame, delta_light, environment, surface };
-  /// The jobs that a bundle may have; each is as likely.
+  /// A task of a bundle; all have the same probability.
   struct Job {
     Origin origin;
     int index;       ///< of the light or surface
-    bool to_camera;  ///< straight to the camera, or to light the scene
+    bool to_camera;  ///< true: to the camera; false: to light the scene
   };
   struct Bundle {
     std::int64_t index = 0;
-    Ray ray;  ///< on its way
+    Ray ray;  ///< its current path
     SurfacePart from;
-    Vec3 normal;  ///< where it leaves a surface
+    Vec3 normal;  ///< at a surface that it leaves
     double reflectivity = 0;
-    const Scatterer* scatterer = nullptr;  ///< that it leaves; its ray still has the old direction
-    int reflections = 0;                   ///< on surfaces, so far; of scenes that scatter
-    std::size_t driver = 0;                ///< node by which media scatter and absorb it
+    /// The scatterer that it leaves; the ray still has the old direction.
+    const Scatterer* scatterer = nullptr;
+    int reflections = 0;     ///< by surfaces so far; in scenes that scatter
+    std::size_t driver = 0;  ///< node of its hero wavelength in media
     bool lights_surfaces = true;
-    double weight = 0;  ///< times spectrum: flux [W], per steradian where it leaves for the camera
-    std::size_t spectrum = 0;  ///< its place in Work::spectra
+    /// Times spectrum: flux [W], per steradian if it leaves for the camera.
+    double weight = 0;
+    std::size_t spectrum = 0;  ///< index in Work::spectra
   };
   /// A bundle that arrived on a pixel.
   struct Arrived {
     int column, row, replicate;
     double weight;
     std::size_t spectrum;
-    int pupil_part;               ///< of the stop, through which it came
-    std::size_t first_way, ways;  ///< of Work::ways: one, or as many as windows make of it
+    int pupil_part;               ///< part of the stop that it passed
+    std::size_t first_way, ways;  ///< in Work::ways: one, or one per stretch between windows
   };
   struct Work;
 
@@ -82,7 +85,7 @@ class SurfaceBundles : public BundleSource {
   void meet_places(std::vector<Bundle>& bundles, std::uint64_t step, Work& work,
                    ForwardChunk& chunk) const;
   void meet_surfaces(std::vector<Bundle>& bundles, Work& work, ForwardChunk& chunk) const;
-  /// @param factor share of the weight that leaves per solid angle [1/sr], but for the cosine or
+  /// @param factor share of the weight that leaves per solid angle [1/sr], without the cosine or
   /// phase function
   void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,
                       Work& work, ForwardChunk& chunk) const;
@@ -106,7 +109,7 @@ class SurfaceBundles : public BundleSource {
   std::unique_ptr<EndlessPlanes> endless_;
   std::unique_ptr<const MajorantGrid> majorants_;  ///< nullptr: nothing scatters
   std::unique_ptr<const WindowAim> window_aim_;    ///< nullptr: there are no windows
-  double field_versine_ = 0;  ///< 1 - cos of the widest angle at which the camera looks
+  double field_versine_ = 0;                       ///< 1 - cos of the largest angle of the field
 };
 
 }  // namespace plenoflame

@@ -6,21 +6,21 @@
 
 namespace plenoflame {
 
-/// The arrays with which one chunk of bundles is traced.
+/// The arrays for tracing one chunk of bundles.
 struct SurfaceBundles::Work {
   Work(const Medium* medium, const MediumOptions& options, std::size_t channel_count)
       : channels(channel_count), segments(medium, options), emission(channel_count) {}
   std::size_t channels;
   MediumSegments segments;
   std::vector<double> emission;
-  std::vector<double> spectra;  ///< channels values for each bundle
-  /// Shares of bundles that media scatter: the density with which each node as the driver
-  /// would have drawn their ways, over the mean of all.
+  std::vector<double> spectra;  ///< one value per channel for each bundle
+  /// Weights of bundles that media scatter: the density of their paths with each node as the hero
+  /// wavelength, over the mean of all nodes.
   std::vector<double> shares;
   std::vector<Camera::Arrival> arrivals;
   std::vector<Arrived> arrived;
-  std::vector<Ray> ways;     ///< of what arrived, from where it last left; stretches in air
-  std::vector<double> ends;  ///< [m] of these ways
+  std::vector<Ray> ways;     ///< stretches in air of the arrivals, from their last event
+  std::vector<double> ends;  ///< [m] ends of these stretches
   WindowPath window_path;
 };
 

@@ -24,32 +24,32 @@ namespace {
 struct MediumTruth {
   double optical_depth = 0;
   double radiance = 0, moment = 0;  ///< of the first channel; moment: weighted by t
-  std::vector<double> depths;       ///< optical, of each wavelength that stands for it
-  double heat = 0;                  ///< weighted by the temperature
+  std::vector<double> depths;       ///< optical depth at each quadrature wavelength
+  double heat = 0;                  ///< radiance weighted by the temperature
   double first = 0, last = 0;
   bool hit = false;
 };
 
-/// A step is at most this deep, so that what is left of the exponential within it is smooth.
+/// Largest optical depth of a step, so that the rest of the exponential within it is smooth.
 constexpr double kDeepest = 0.1;
 constexpr double kMostSteps = 1000;
 
-/// The parts of the medium's wavelengths in the first channel, one each.
+/// The share of each wavelength of the medium in the first channel.
 struct FirstChannel {
-  std::vector<double> weights;  ///< with which it counts their light
-  std::vector<double> shares;   ///< of its light from a body at 1700 K, together 1
+  std::vector<double> weights;  ///< weights of their light in the channel
+  std::vector<double> shares;   ///< of its light from a body at 1700 K; the sum is 1
 };
 
 constexpr std::size_t kPoints = 4;  ///< of Gauss' rule
 
-/// The arrays that a ray needs, kept from one to the next.
+/// Arrays for one ray, reused for the next.
 struct Work {
   std::vector<double> limits, depth;
-  /// Emission [W/(m^3 sr)] and absorption [1/m] at the points of a step, of every wavelength.
+  /// Emission [W/(m^3 sr)] and absorption [1/m] at the points of a step, at every wavelength.
   std::vector<double> emission, absorption;
   std::array<double, kPoints> temperature{};  ///< [K]
-  std::vector<double> all;                    ///< of one point, every channel of the medium
-  const CellSampling* cells = nullptr;        ///< the medium, where it has cells
+  std::vector<double> all;                    ///< all channels of the medium at one point
+  const CellSampling* cells = nullptr;        ///< the medium, if it has cells
 };
 
 /// Gauss-Legendre on [0, 1].
@@ -69,7 +69,7 @@ struct Deepest {
   double absorption = 0, emission = 0;
 };
 
-/// Coefficients of a medium of any kind at places of a ray, as CellSampling gives them.
+/// Coefficients of any medium at places of a ray, in the form of CellSampling.
 void coefficients_at(const Medium& medium, const Ray& ray, const double* t, std::size_t nodes,
                      Work& work) {
   work.all.resize(static_cast<std::size_t>(medium.channel_count()));
@@ -102,8 +102,8 @@ Deepest look_at(const Medium& medium, const Ray& ray, double start, double width
           *std::max_element(work.emission.begin(), work.emission.end())};
 }
 
-/// @param end where the ray ends: at a solid surface, or kInfinity
-/// @param before optical depths, of each wavelength, through which it is seen; empty: none
+/// @param end of the ray, at a solid surface or kInfinity
+/// @param before optical depths in front of the ray, at each wavelength; empty: none
 MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
                            const FirstChannel& channel, Work& work,
                            const std::vector<double>& before = {}) {
@@ -138,7 +138,7 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
     const double step = width / steps;
     for (int i = 0; i < steps; ++i) {
       const double begin = start + i * step;
-      // A step that is the whole interval has been looked at.
+      // With a single step, the interval has been evaluated already.
       if (steps > 1) look_at(medium, ray, begin, step, nodes, work);
       std::vector<double>& depth = work.depth;
       depth.assign(nodes, 0.0);
@@ -148,7 +148,8 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
       for (std::size_t g = 0; g < rule.at.size(); ++g) {
         double light = 0;
         for (std::size_t n = 0; n < nodes; ++n)
-          // To the point within the step: the mean absorption, which is exact to second order.
+          // Optical depth to the point within the step, from the mean absorption; exact to second
+          // order.
           light += channel.weights[n] * rule.weight[g] * step * work.emission[g * nodes + n] *
                    std::exp(-truth.depths[n] - depth[n] * rule.at[g]);
         truth.radiance += light;
@@ -163,8 +164,8 @@ MediumTruth through_medium(const Medium& medium, const Ray& ray, double end,
   return truth;
 }
 
-/// The middle ray of a pixel, camera frame; none: it ends in the camera, or what its microlens (or,
-/// without array, the pixel) can receive meets nothing.
+/// The chief ray of a pixel, in the camera frame. None: the ray ends in the camera, or the beam of
+/// its microlens (without array: of the pixel) meets nothing.
 class ChiefRays {
  public:
   /// @param beams nullptr: every ray is followed
@@ -175,7 +176,7 @@ class ChiefRays {
   }
   std::optional<Ray> operator()(int column, int row) {
     const Vec2 s = camera_.sensor_point(column + 0.5, row + 0.5);
-    // Seen from the middle of the pupil, the microlens stands before the middle of its micro-image.
+    // The microlens that hides the middle of its micro-image, seen from the middle of the pupil.
     const Vec2 before = camera_.foot() + (1 - towards_axis_) * (s - camera_.foot());
     Camera::Path path;
     if (camera_.has_array()) {
@@ -195,7 +196,7 @@ class ChiefRays {
  private:
   bool sees_anything(LensIndex lens, Vec3 place) {
     if (!beams_) return true;
-    // Neighbouring pixels belong to the same microlens.
+    // Neighbouring pixels usually belong to the same microlens.
     if (!looked_ || lens.q != looked_at_.q || lens.r != looked_at_.r) {
       looked_ = true;
       looked_at_ = lens;
@@ -211,18 +212,17 @@ class ChiefRays {
   bool looked_ = false, sees_ = true;
 };
 
-/// The truth of a pixel's middle ray; distances from the front vertex along the optical axis
-/// [m].
+/// The truth of a pixel's chief ray; distances from the front vertex along the optical axis [m].
 struct PixelTruth {
   int surface = -1;  ///< number; -1: none
   double surface_distance = 0;
-  bool hit = false;  ///< some flame
+  bool hit = false;  ///< the ray meets a flame
   double optical_depth = 0, first = 0, last = 0;
-  double light = 0, moment = 0, heat = 0;  ///< radiance, and weighted by distance, temperature
+  double light = 0, moment = 0, heat = 0;  ///< radiance; weighted by distance; by temperature
 };
 
-/// The truth of a ray that windows bend: stretch by stretch, each at its true place behind the
-/// windows.
+/// The truth of a ray that windows bend, evaluated stretch by stretch at its true position behind
+/// the windows.
 PixelTruth through_windows(const CompiledScene& scene, const Ray& world, const CameraFront& front,
                            const FirstChannel& channel, Work& work) {
   PixelTruth truth;

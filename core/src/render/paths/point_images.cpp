@@ -21,7 +21,7 @@ double fraction_of(double value) {
   return value - std::floor(value);
 }
 
-/// @return the weight of what arrives
+/// @return the weight of the arriving light
 double add(const Camera::Arrival& arrival, const Camera& camera, Lenses& lenses) {
   const auto [x, y] = camera.image_point(arrival.sensor_point);
   const LensIndex lens = arrival.lens.value_or(LensIndex{});

@@ -19,7 +19,7 @@
 namespace plenoflame {
 namespace {
 
-/// Text or bytes on their way into a file, in large pieces.
+/// Collects text or bytes and writes them to a file in large pieces.
 class Output {
  public:
   explicit Output(const std::string& path) : file_(path) {}
@@ -29,7 +29,7 @@ class Output {
     if (buffer_.size() > kPiece) flush();
     return *this;
   }
-  /// The shortest text that reads back to the same number.
+  /// The shortest text that is read back as the same number.
   template <class Number>
   Output& number(Number value) {
     std::array<char, 40> digits;
@@ -53,8 +53,8 @@ class Output {
 
 // --- VTK PolyData -----------------------------------------------------------------------------
 
-/// Numbers as little-endian bytes in base64 (RFC 4648): three bytes are four letters. Bytes as they
-/// are would be no XML, and some parsers refuse them.
+/// Numbers as little-endian bytes in base64 (RFC 4648): three bytes are four letters. Raw bytes are
+/// invalid in XML, and some parsers reject them.
 class Base64 {
  public:
   explicit Base64(Output& out) : out_(out) {}
@@ -208,7 +208,7 @@ void write_vtp(Output& out, const RayPaths& paths) {
                                     : k == 1 ? v[i].position.y
                                              : v[i].position.z;
                            })}},
-      // The vertices of a ray follow one another, ray by ray.
+      // The vertices of a ray are consecutive, ray by ray.
       {"Lines",
        {data_array<std::int64_t>("connectivity", v.size(), 1,
                                  [](std::size_t i, std::size_t) { return i; }),
@@ -279,7 +279,7 @@ void write_csv(Output& out, const RayPaths& paths) {
   }
 }
 
-/// JSON knows no infinity.
+/// JSON has no infinity.
 void json_number(Output& out, double value) {
   if (std::isfinite(value))
     out.number(value);

@@ -13,7 +13,7 @@
 namespace plenoflame {
 namespace {
 
-/// An array with `components` numbers for each ray; value(i, k) gives them.
+/// An array with `components` numbers for each ray; value(i, k) returns them.
 template <class Number, class Value>
 NamedArray array_of(const char* name, const RayPaths& paths, std::size_t components, Value value) {
   const std::size_t n = paths.rays.size();
@@ -30,8 +30,7 @@ double component(Vec3 v, std::size_t k) {
   return k == 0 ? v.x : k == 1 ? v.y : v.z;
 }
 
-/// The vertex where a ray leaves the camera, or enters it: on surface 0. Those that do not get
-/// there have none.
+/// The vertex on surface 0, where a ray leaves the camera or enters it. Other rays have none.
 const RayVertex* front_of(const RayPaths& paths, const RayPath& ray) {
   for (std::size_t k = ray.first; k < ray.first + ray.count; ++k)
     if (paths.vertices[k].surface == 0) return &paths.vertices[k];

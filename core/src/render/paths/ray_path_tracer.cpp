@@ -93,9 +93,9 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
   ray.pupil_part = path.pupil_part;
   ray.weight *= path.passed;
   Vertices vertices(ray, paths);
-  // A ray that missed a surface has no place there.
+  // A ray that missed a surface has no point there.
   const std::size_t points = path.points.size() - (path.status.status == RayStatus::missed ? 1 : 0);
-  // A ray between the microlenses skips their faces, but for the one where it may end.
+  // A ray between the microlenses skips their faces, except for a face where it ends.
   std::size_t skipped = 0;
   if (!lens && camera_.has_array())
     skipped = (camera_.ideal_array() ? 1u : 2u) -
@@ -125,7 +125,7 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
   vertices.finish();
 }
 
-/// Stretches in air and the faces of windows between them.
+/// Adds stretches in air and the faces of windows between them.
 void PathTracer::add_stretches(const std::vector<AirSegment>& segments, bool beside, int samples,
                                Vertices& vertices) const {
   for (std::size_t k = 0; k < segments.size(); ++k) {
@@ -137,7 +137,7 @@ void PathTracer::add_stretches(const std::vector<AirSegment>& segments, bool bes
   }
 }
 
-/// From the camera through windows.
+/// Follows a ray from the camera through windows.
 void PathTracer::add_to_scene(const Ray& exit, RayPath& ray, RayPaths& paths,
                               Vertices& vertices) const {
   WindowWays ways;
@@ -193,7 +193,7 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
       ray.row = static_cast<int>(row);
     }
   } else if (camera_.has_array() && static_cast<int>(points.size()) > lens_surfaces_) {
-    // It ended at the array: the lens in whose place.
+    // The ray ended at the array: its microlens is the one at that place.
     const Vec3 last = points.back();
     ray.lens = camera_.lattice().nearest({last.x, last.y});
     ray.type = camera_.lattice().type(ray.lens);
@@ -203,7 +203,7 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
       points.empty() ? 0
                      : length(camera_.to_world().point(points.front()) - last_stretch.ray.origin);
   last_stretch.far = front;
-  // The point may lie on a surface itself, which does not hide it from the side that it looks to.
+  // The point may lie on a surface, which does not hide it from the side that the surface faces.
   SurfaceHit hit;
   const double clear = 1e-9 * front;
   bool hidden = false;
@@ -233,7 +233,8 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
     vertices.finish();
     return;
   }
-  // From the scene on, the same steps backwards; one that went past the array skips its surfaces.
+  // The steps are those of a ray to the scene in reverse; a ray beside the microlenses skips their
+  // surfaces.
   const bool between = !arrivals.empty() && camera_.has_array() && !arrivals.front().lens;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const bool last = i + 1 == points.size();
@@ -250,7 +251,7 @@ std::vector<double> carried_by(const Medium& medium, const Ray& ray, double from
   batch.size = kRayPadding;
   batch.anchor = 0.5 * (box.lower + box.upper);
   const Vec3 at = ray.origin - batch.anchor;
-  // A batch is 16 rays at least: this one, repeated.
+  // A batch has at least 16 rays, so this ray is repeated.
   alignas(64) std::array<std::array<double, kRayPadding>, 8> lines{};
   const std::array<double, 8> values{
       at.x, at.y, at.z, ray.direction.x, ray.direction.y, ray.direction.z, from, to};

@@ -12,17 +12,17 @@
 
 namespace plenoflame {
 
-/// Turns rays into vertices.
+/// Converts rays to vertices.
 class PathTracer {
  public:
-  /// @param scene whose camera, surfaces and windows are kept
+  /// @param scene its camera, surfaces and windows are kept by reference
   PathTracer(const CompiledScene& scene, const Medium& medium);
 
   /// Adds the ray from a start on the sensor through its microlens towards an aim.
   void add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPath& ray,
            RayPaths& paths) const;
-  /// Adds the ray from a point in the world, along a unit vector towards the camera; fills in where
-  /// it arrives.
+  /// Adds the ray from a point in the world along a unit vector towards the camera, and fills in
+  /// where it arrives.
   void add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) const;
 
  private:
@@ -39,20 +39,20 @@ class PathTracer {
   const Medium& medium_;
   const SurfaceScene* surfaces_;
   Box box_;
-  std::vector<int> steps_;  ///< what paths list from the sensor on, each at most as often as here
+  std::vector<int> steps_;  ///< steps of a complete path, from the sensor on
   int lens_surfaces_ = 0;
   const WindowSet* windows_;
   CameraFront front_;
-  std::optional<WindowAim> aim_;  ///< where there are windows
+  std::optional<WindowAim> aim_;  ///< only with windows
 };
 
-/// Radiance per channel of a stretch of a line through the medium, seen from `from`; then its
-/// optical thickness. `to` may be infinite.
+/// Radiance per channel of a stretch of a line through the medium, seen from `from`, followed by
+/// its optical thickness. `to` may be infinite.
 std::vector<double> carried_by(const Medium& medium, const Ray& ray, double from, double to);
 
-/// The light that a way through windows carries, seen from its begin.
+/// The light that a path through windows carries, seen from its first point.
 struct CarriedLight {
-  std::vector<double> radiance;             ///< of the medium, of each node
+  std::vector<double> radiance;             ///< of the medium, at each node
   std::vector<std::vector<double>> passed;  ///< transmittance of the medium up to a stretch
 };
 CarriedLight carried_through_windows(const Medium& medium, std::span<const AirSegment> stretches);

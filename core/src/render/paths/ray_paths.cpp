@@ -26,7 +26,7 @@
 namespace plenoflame {
 namespace {
 
-/// Keeps what the tracer draws and computes.
+/// Stores the rays of the tracer with their light.
 class PathSink : public RayConsumer<double> {
  public:
   PathSink(const BackwardPlan<double>& plan, const PathTracer& tracer, double samples,
@@ -48,7 +48,8 @@ class PathSink : public RayConsumer<double> {
     const double plane =
         through_lens ? camera.lens_place(lens).z : camera.aim_plane(std::max(type, 0));
     const auto& between = scene_.pupils.between();
-    // Rays between the lenses are aimed at the main lens; traced ones at the plane of the array.
+    // Rays between the microlenses were aimed at the main lens; their paths aim at the plane of the
+    // array.
     const double drawn_gap = camera.has_array() && type < 0
                                  ? between->camera.aim_plane(0) - camera.sensor()
                                  : plane - camera.sensor();
@@ -80,7 +81,7 @@ class PathSink : public RayConsumer<double> {
       const std::optional<LensIndex> lens =
           drawn.type >= 0 ? std::optional(drawn.lens) : std::nullopt;
       tracer_.add(drawn.start, lens, drawn.aim, ray, paths_);
-      // The kernel sends rays that ended in the camera on along the axis, with no weight.
+      // The kernel continues rays that ended in the camera along the axis, with weight 0.
       const bool reached = paths_.rays.back().status.status == RayStatus::reached;
       if (reached)
         paths_.rays.back().optical_thickness = std::fabs(std::log(integrator_.transmittance()[i]));
@@ -104,8 +105,8 @@ class PathSink : public RayConsumer<double> {
   std::vector<Drawn> drawn_;
 };
 
-/// Radiance of what stands for the channels, then the optical thickness: of the channels.
-/// @param pupil_part of the stop that the ray crosses
+/// Converts radiances of nodes to channels, followed by the optical thickness of the channels.
+/// @param pupil_part part of the stop that the ray crosses
 void to_channels(const CompiledScene& scene, int pupil_part, std::vector<double>& carried) {
   if (scene.mix.empty()) return;
   sum_channels(
@@ -115,7 +116,8 @@ void to_channels(const CompiledScene& scene, int pupil_part, std::vector<double>
   carried.resize(scene.scene.channels.size() + 1);
 }
 
-/// Light of surfaces and surroundings along single rays behind the flames, and what these scatter.
+/// Light of surfaces and surroundings behind the flames along single rays, and light that the
+/// flames scatter.
 class LightBehind {
  public:
   explicit LightBehind(const CompiledScene& scene)
@@ -130,9 +132,10 @@ class LightBehind {
     if (scatter_) walk_ = std::make_unique<ScatterWalk>(*scatter_);
   }
 
-  /// @param line whose origin is the ray's last vertex @param before a vertex ahead of it
-  /// @param number of the ray @param carried radiance of what stands for the channels, added to;
-  /// then the optical thickness: of the flames in front
+  /// @param line its origin is the ray's last vertex @param before a vertex ahead of it
+  /// @param number of the ray
+  /// @param carried radiance of the nodes, to which the light is added, then the optical thickness
+  /// of the flames in front
   void add(const Ray& line, Vec3 before, std::size_t number, const RayPath& ray,
            std::vector<double>& carried) {
     std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
@@ -146,7 +149,7 @@ class LightBehind {
       const std::vector<double>& environment = scene_.lights.environment;
       for (std::size_t n = 0; n < environment.size(); ++n) radiance[n][0] = environment[n];
     }
-    // The flames in front may let another share of each wavelength through.
+    // The transmittance of the flames in front may depend on the wavelength.
     MediumCounters counters;
     segments_.clear();
     segments_.add({before, line.direction},
@@ -157,8 +160,7 @@ class LightBehind {
     if (walk_) add_scattered(line, number, ray.solid >= 0, carried);
   }
 
-  /// The same for a ray that goes through windows: all that it carries. @param exit from the front
-  /// of the camera
+  /// Adds all light along a ray through windows. @param exit the ray at the front of the camera
   void add_through_windows(const Medium& medium, const Ray& exit, std::size_t number,
                            std::vector<double>& carried) {
     WindowWays ways;
@@ -191,7 +193,7 @@ class LightBehind {
   }
 
  private:
-  /// Adds the light that a surface sends back along the ray that ends there.
+  /// Adds the light that a surface sends back along the ray that ends on it.
   void send_back(const SurfaceHit& hit, std::size_t number,
                  std::vector<std::vector<double>>& radiance) {
     SurfacePath path;
@@ -224,7 +226,7 @@ class LightBehind {
   std::unique_ptr<ScatterWalk> walk_;
 };
 
-/// Leaves out what does not go through this microlens.
+/// Removes rays that do not pass this microlens.
 void keep_lens(LensIndex lens, RayPaths& paths) {
   RayPaths kept;
   for (std::size_t i = 0; i < paths.rays.size(); ++i) {
@@ -243,7 +245,7 @@ void keep_lens(LensIndex lens, RayPaths& paths) {
   paths.radiance = std::move(kept.radiance);
 }
 
-/// Moves the rays of `part` behind those of `all`.
+/// Moves the rays of `part` to the end of `all`.
 void join(RayPaths& part, RayPaths& all) {
   for (RayPath ray : part.rays) {
     ray.first += all.vertices.size();
@@ -254,7 +256,7 @@ void join(RayPaths& part, RayPaths& all) {
   part = {};
 }
 
-/// @param only the microlens whose rays are wanted; none: all
+/// @param only the microlens whose rays are traced; none: all
 void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
                   const std::vector<Pixel>& pixels, std::optional<LensIndex> only,
                   const Execution& execution, RayPaths& paths) {
@@ -274,10 +276,11 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   const auto scatter = make_scatter_plan(scene, settings, execution, light.get());
   const BackwardPlan<double> plan = make_pass_plan<double>(scene, medium.get(), settings,
                                                            {0, points}, light.get(), scatter.get());
-  // Rays that pass beside the flames are wanted, too: no beams.
+  // Rays that pass beside the flames are traced, too, so no beams are used.
   const PathTracer tracer(scene, medium.get());
   const double samples = static_cast<double>(points) * settings.replicates;
-  // A few pixels at a time, each with paths of its own; joined in the order of the pixels.
+  // Traces a few pixels at a time, with paths of their own, and joins them in the order of the
+  // pixels.
   constexpr std::size_t kPixels = 16;
   std::vector<RayPaths> parts((pixels.size() + kPixels - 1) / kPixels);
   const auto trace = [&](std::size_t part, int) {
@@ -292,7 +295,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
     if (only) keep_lens(*only, own);
   };
   if (!parallel_for(execution, parts.size(), trace)) throw Cancelled();
-  // Room for all at once: a million rays take hundreds of megabytes.
+  // Reserves memory for all rays at once: a million rays take hundreds of megabytes.
   std::size_t rays = paths.rays.size(), radiances = paths.radiance.size(),
               vertices = paths.vertices.size();
   for (const RayPaths& part : parts) {
@@ -306,8 +309,9 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   for (RayPaths& part : parts) join(part, paths);
 }
 
-/// Radiance of each node that the flames send along an object's ray through windows, then the
-/// optical thickness. @param front number of the vertex on the camera's first surface
+/// Radiance of each node that the flames send along an object's ray through windows, followed by
+/// the optical thickness.
+/// @param front number of the vertex on the camera's first surface
 std::vector<double> carried_back(const CompiledScene& scene, const Medium& medium,
                                  const RayPaths& paths, std::size_t front) {
   const RayPath& ray = paths.rays.back();
@@ -365,7 +369,7 @@ void add_microlens_rays(const CompiledScene& scene, const RenderSettings& settin
   const SensorSpec& sensor = camera.spec().sensor;
   std::vector<Pixel> pixels;
   if (!node.dark()) {
-    // The range that light of this microlens can reach, in whole pixels.
+    // The range of pixels that light of this microlens can reach.
     const double image = std::fabs(node.centre) + node.outer_radius;
     const auto range = [&](double at, int count, double pitch) {
       const double reach = image + SensorSpec::kBlurCut * sensor.blur * pitch;
@@ -394,7 +398,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
   if (count < 1) throw UsageError("at least 1 ray from an object point is needed");
   const Camera& camera = scene.camera;
   const Vec3 at = camera.to_world().inverse().point(point);
-  // The entrance pupil as the first-order design has it; without one the front of the lens.
+  // The entrance pupil of the first-order design; without one, the front of the lens.
   const FirstOrder& lens = camera.lens_first_order();
   const auto& surfaces = camera.spec().lens.surfaces;
   double pupil = -lens.entrance_pupil, diameter = lens.entrance_pupil_diameter;
@@ -409,7 +413,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
   const PathTracer tracer(scene, medium.get());
   const double golden = std::numbers::pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
-    // Vogel's spiral: equal areas, no direction preferred.
+    // Vogel's spiral: equal areas, without a preferred direction.
     const double r = 0.5 * diameter * std::sqrt((i + 0.5) / count), phi = golden * i;
     const Vec3 aim = camera.to_world().point({r * std::cos(phi), r * std::sin(phi), pupil});
     const Ray ray{point, normalize(aim - point)};
@@ -418,11 +422,11 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
     const RayPath& added = paths.rays.back();
     std::vector<double> carried(paths.channels.size() + 1, 0.0);
     if (added.status.status == RayStatus::reached) {
-      // Seen from the camera's first surface.
+      // The light is that seen from the camera's first surface.
       std::size_t k = added.first;
       while (paths.vertices[k].surface != 0 && k + 1 < added.first + added.count) ++k;
       Vec3 front = paths.vertices[k].position;
-      // A lens with distortion bends rays in its entrance pupil, not at its first surface.
+      // Distortion bends rays in the entrance pupil and not at the lens' first surface.
       if (camera.distortion().present()) front = point + length(front - point) * ray.direction;
       if (scene.windows)
         carried = carried_back(scene, medium.get(), paths, k);
@@ -482,7 +486,8 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     const Ray line{last.position, normalize(last.position - before.position)};
     const double infinite = std::numeric_limits<double>::infinity();
     std::vector<double> carried;
-    std::size_t front = added.first;  // from the camera's first surface on, far from the hit
+    // The vertex on the camera's first surface, which is far from the hit.
+    std::size_t front = added.first;
     while (paths.vertices[front].surface != 0 && front + 2 < added.first + added.count) ++front;
     const Vec3 first = paths.vertices[front].position;
     if (scene.windows) {
@@ -506,7 +511,7 @@ std::vector<Pixel> random_pixels(const SensorSpec& sensor, int count, std::uint6
   if (count < 0 || static_cast<std::uint64_t>(count) > all)
     throw UsageError("the sensor has " + std::to_string(all) + " pixels; " + std::to_string(count) +
                      " different ones cannot be drawn from them");
-  // The beginning of a shuffle (Fisher and Yates), of which only places that were touched are kept.
+  // The beginning of a Fisher-Yates shuffle; the map holds only the entries that were moved.
   std::unordered_map<std::uint64_t, std::uint64_t> moved;
   const auto at = [&](std::uint64_t place) {
     const auto found = moved.find(place);

@@ -12,15 +12,15 @@ bool wanted(const std::vector<Item>& items, Item item) {
   return items.empty() || std::find(items.begin(), items.end(), item) != items.end();
 }
 
-/// One of each of `most` equally long stretches of the list, at a random place within it: evenly
-/// spread, and in step with nothing.
+/// Divides the list into `most` stretches of equal length and takes one random entry of each. The
+/// selection is even without being periodic.
 std::vector<std::size_t> thinned(const std::vector<std::size_t>& all, std::size_t most,
                                  std::uint64_t seed) {
   std::vector<std::size_t> kept;
   const double stretch = static_cast<double>(all.size()) / static_cast<double>(most);
   for (std::size_t i = 0; i < most; ++i) {
     const double place = static_cast<double>(mix64(mix64(seed) + i) >> 11) * std::ldexp(1.0, -53);
-    // Whole numbers of neighbouring stretches never meet: each begins where the last one ends.
+    // Stretches do not overlap: each begins where the one before ends.
     const auto first = static_cast<std::size_t>(static_cast<double>(i) * stretch);
     const auto end = static_cast<std::size_t>(static_cast<double>(i + 1) * stretch);
     const std::size_t count = std::max<std::size_t>(1, end - first);
@@ -40,7 +40,7 @@ void select_rays(const RaySelection& selection, RayPaths& paths) {
       kept.push_back(i);
   if (selection.most > 0 && kept.size() > selection.most)
     kept = thinned(kept, selection.most, selection.seed);
-  // Everything moves towards the front, so that nothing is overwritten before it was moved.
+  // Entries move only towards the front, so that none is overwritten before it is moved.
   std::size_t vertex = 0;
   const std::size_t channels = paths.channels.size();
   for (std::size_t to = 0; to < kept.size(); ++to) {

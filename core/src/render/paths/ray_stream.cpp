@@ -33,7 +33,7 @@ TraceStatus status_of(int code) {
           code / 4};
 }
 
-/// One way through the camera, and all that its rays need.
+/// A spectral path, with all data for its rays.
 template <class Real>
 struct StreamPath {
   StreamPath(const CompiledScene& path_scene, const RenderSettings& settings, int points,
@@ -65,11 +65,11 @@ struct StreamPath {
   BackwardPlan<Real> plan;
 };
 
-/// Makes public blocks of the rays of one path. One for each worker.
+/// Writes the rays of one path to public blocks. One object for each worker.
 template <class Real>
 class BlockWriter : public RayConsumer<Real> {
  public:
-  /// @param samples of a pixel and microlens, all replicates together
+  /// @param samples per pixel and microlens, all replicates together
   BlockWriter(const StreamPath<Real>& path, int number, double samples, RayStreamContent content,
               int worker, const RayBlockConsumer<Real>& consumer)
       : path_(path),
@@ -85,8 +85,8 @@ class BlockWriter : public RayConsumer<Real> {
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
 
-  /// @param sequence number of the next block of the tile, counted on
-  /// @param reached is called with the share of the tile's rows that are done
+  /// @param sequence number of the next block of the tile; is increased
+  /// @param reached is called with the completed share of the tile's rows
   void trace(int index, const PixelWindow& tile, int& sequence,
              const std::function<void(double)>& reached) {
     sequence_ = &sequence;
@@ -214,8 +214,8 @@ class BlockWriter : public RayConsumer<Real> {
     block_.transmittance = {integrator_->transmittance(), static_cast<std::size_t>(rays.count)};
   }
 
-  /// Windows make several lines of a ray: blocks of all first ones, then of all second ones, and so
-  /// on.
+  /// Writes the lines of rays through windows: blocks of all first stretches, then of all second
+  /// ones, and so on.
   void write_stretches(const TracedRays<Real>& rays) {
     const WindowWays* ways = &ways_;
     if (integrator_) {
@@ -230,7 +230,7 @@ class BlockWriter : public RayConsumer<Real> {
     std::size_t most = 1;
     for (const WindowWays::Way& way : ways->ways) most = std::max(most, way.count);
     if (!stretches_) stretches_ = std::make_unique<StretchArrays>();
-    --*sequence_;  // which has been counted for the whole block
+    --*sequence_;  // it was increased for the whole block
     for (std::size_t k = 0; k < most; ++k) {
       std::vector<int>& chosen = stretches_->rays;
       chosen.clear();
@@ -242,7 +242,7 @@ class BlockWriter : public RayConsumer<Real> {
     }
   }
 
-  /// Fills stretch k of the chosen rays; one that ended in the camera is some line in front of it.
+  /// Fills stretch k of the chosen rays; a ray that ended in the camera is a line in front of it.
   void set_stretches(const TracedRays<Real>& rays, const WindowWays& ways, std::size_t k) {
     StretchArrays& to = *stretches_;
     const std::size_t size = to.rays.size();
@@ -276,7 +276,7 @@ class BlockWriter : public RayConsumer<Real> {
       if (!integrator_ || way.count <= k) continue;
       const WindowIntegrator<Real>& windows = *integrator_->windows();
       to.transmittance[j] = static_cast<Real>(windows.transmittance(way.first + k));
-      // The light that the glass keeps is in the etendue.
+      // The etendue contains the losses in the glass.
       for (std::size_t n = 0; stretch.throughput > 0 && n * padded < to.shares.size(); ++n)
         to.shares[n * padded + j] = windows.shares()[n * ways.segments.size() + way.first + k] /
                                     static_cast<Real>(stretch.throughput);
@@ -319,14 +319,14 @@ class BlockWriter : public RayConsumer<Real> {
   /// The arrays of a block of stretches.
   struct StretchArrays {
     AlignedColumns<Real> columns{10};
-    std::vector<int> rays;  ///< whose stretches they are
+    std::vector<int> rays;  ///< the ray of each stretch
     std::vector<int> pixel_columns = std::vector<int>(kBlockRays),
                      pixel_rows = std::vector<int>(kBlockRays),
                      replicates = std::vector<int>(kBlockRays),
                      types = std::vector<int>(kBlockRays);
     std::vector<LensIndex> lenses = std::vector<LensIndex>(kBlockRays);
     std::vector<TraceStatus> status = std::vector<TraceStatus>(kBlockRays);
-    std::vector<int> pupil_parts;  ///< of the stop, through which they go
+    std::vector<int> pupil_parts;  ///< parts of the stop that they pass
     std::vector<Real> shares, transmittance;
   };
 
@@ -338,7 +338,7 @@ class BlockWriter : public RayConsumer<Real> {
   std::optional<RadianceIntegrator<Real>> integrator_;
   int* sequence_ = nullptr;
   PixelWindow tile_;
-  int row_ = 0;  ///< of tile_, which rays have reached
+  int row_ = 0;  ///< row of tile_ that the rays have reached
   const std::function<void(double)>* reached_ = nullptr;
   RayBlock<Real> block_;
   AlignedColumns<Real> columns_;
@@ -351,8 +351,8 @@ class BlockWriter : public RayConsumer<Real> {
   std::vector<TraceStatus> status_ = std::vector<TraceStatus>(kBlockRays);
   std::vector<Real> radiance_;
   WindowPath window_path_;
-  WindowWays ways_;                           ///< where nobody integrates along them
-  std::unique_ptr<StretchArrays> stretches_;  ///< of scenes with windows
+  WindowWays ways_;                           ///< used if no integrator follows them
+  std::unique_ptr<StretchArrays> stretches_;  ///< in scenes with windows
 };
 
 void check_stream(const RenderSettings& settings, const SensorSpec& sensor) {
@@ -386,9 +386,9 @@ bool stream_rays(const CompiledScene& scene, const RenderSettings& settings,
   std::vector<Writers> writers(static_cast<std::size_t>(execution.thread_count()));
   std::mutex mutex;
   std::size_t done = 0;
-  std::vector<double> under_way(writers.size());  ///< share of each worker's tile
+  std::vector<double> under_way(writers.size());  ///< completed share of each worker's tile
   const auto count = static_cast<std::size_t>(tiles.tile_count());
-  // Tiles may be few, and take long.
+  // Tiles may be few and slow, so their shares are reported, too.
   const auto report = [&](int worker, double share) {
     if (!execution.progress) return;
     const std::lock_guard lock(mutex);

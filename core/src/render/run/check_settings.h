@@ -3,8 +3,8 @@
 
 namespace plenoflame {
 
-/// @throws UsageError for a window outside of the sensor, numbers of samples and replicates that
-/// cannot be, and an instruction set that the processor does not have
+/// @throws UsageError for a window outside of the sensor, impossible numbers of samples and
+/// replicates, and an instruction set that the processor lacks
 void check_settings(const RenderSettings& settings, const SensorSpec& sensor);
 
 /// @throws UsageError when there are more parts than tiles

@@ -7,8 +7,8 @@ namespace plenoflame {
 void begin_statistics(const CompiledScene& scene, const RenderSettings& settings,
                       const Execution& execution, RenderStatistics& statistics);
 
-/// Makes the light field of a film, with what statistics and warnings say of it as a whole. Where
-/// statistics.complete the film's pictures are taken.
+/// Makes the light field of a film, with its statistics and warnings. If statistics.complete is
+/// set, the images are taken out of the film.
 void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution, RenderResult& result);
 

@@ -15,12 +15,12 @@ inline double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Every replicate gets the same number of points.
+/// Points per replicate; all replicates have the same number.
 inline int samples_per_replicate(const RenderSettings& settings) {
   return (settings.samples + settings.replicates - 1) / settings.replicates;
 }
 
-/// Requests a stop when time is up, or when the caller's own token does.
+/// Requests a stop when the time is over, or when the caller's own token does.
 class Deadline {
  public:
   /// @param seconds [s] from now; 0: no limit
@@ -34,14 +34,14 @@ class Deadline {
   std::jthread timer_;
 };
 
-/// Calls settings.checkpoint when enough time has passed: after kFirstCheckpoint, then at intervals
-/// that double up to settings.checkpoint_seconds.
+/// Calls settings.checkpoint when it is due: after kFirstCheckpoint, then at intervals that double
+/// up to settings.checkpoint_seconds.
 class Checkpoints {
  public:
   explicit Checkpoints(const RenderSettings& settings) : settings_(settings) {}
   void offer(const Film& film);
   bool is_due() const;
-  void was_kept();  ///< by the caller, just now
+  void was_kept();  ///< the caller has just saved the state
 
  private:
   static constexpr double kFirstCheckpoint = 5;  ///< [s]

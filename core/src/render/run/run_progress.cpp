@@ -10,11 +10,11 @@
 namespace plenoflame {
 namespace {
 
-/// The share that a stretch counts for whose outcome is open: little, since what is found out later
-/// can make the share grow but never fall.
+/// The share of a stretch after which the remaining work is unknown. It is small, because later
+/// findings can raise the reported share but never lower it.
 constexpr double kExploredShare = 0.02;
-/// Rays that the work on a tile costs besides those of its samples, per sample: tiles that see
-/// nothing take little time, but some.
+/// Cost of a tile per sample in addition to its rays, in units of a ray. Tiles that see nothing
+/// take some time, too.
 constexpr double kTileRays = 200;
 
 }  // namespace
@@ -33,7 +33,7 @@ void RunProgress::foresee(double done, double left) {
 }
 
 void RunProgress::explore(double work, double share) {
-  constexpr double kMostShare = 0.9;  // what is not known is not promised to be the end
+  constexpr double kMostShare = 0.9;  // the unknown rest keeps a share
   begin_stretch(fraction_, std::max({fraction_, kExploredShare, std::min(share, kMostShare)}),
                 work);
 }
@@ -43,7 +43,7 @@ void RunProgress::add(double work, double rays) {
   rays_ += rays;
   const double share = work_ > 0 ? std::min(1.0, work_done_ / work_) : 1;
   fraction_ = std::max(fraction_, from_ + (to_ - from_) * share);
-  // Nothing is known of what follows a stretch that stands for less than the rest.
+  // The remaining time is known only if this stretch is the last one.
   const bool is_known = to_ == 1 && share > 0;
   report(is_known ? seconds_since(stretch_start_) * (1 / share - 1) : -1);
 }

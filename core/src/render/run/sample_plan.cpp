@@ -7,19 +7,19 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kMostDoublings = 4;  ///< in one round: what is foreseen may be wrong
+constexpr int kMostDoublings = 4;  ///< per round, as estimates may be wrong
 
-/// Mean square error of a lit pixel, as foreseen.
+/// Expected mean square error of a lit pixel.
 double expected(const TileNeed& tile, double samples) {
   return tile.difficulty * std::pow(samples, -2 * kErrorSlope);
 }
 
-/// A tile that may get twice its samples.
+/// A candidate: a tile whose samples may be doubled.
 struct Doubling {
   std::size_t tile;
   int doublings;  ///< before this one
   double from, to;
-  double gain;  ///< how much less its mean square error will be, for each sample
+  double gain;  ///< decrease of its mean square error per sample
 
   bool operator<(const Doubling& other) const {
     return gain != other.gain ? gain < other.gain : tile > other.tile;

@@ -1,5 +1,5 @@
-// The edges at which the rays that a pixel aims begin to be stopped: part of the backward
-// estimator's vector kernels, compiled once per instruction set.
+// Moves the bounds of a pixel's rays to the edges at which rays begin to be blocked. A part of the
+// backward estimator's vector kernels, compiled once per instruction set.
 #pragma once
 #include "math/kernel_math.h"
 #include "render/sampling/backward_kernel.h"
@@ -8,11 +8,11 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// Steps are believed up to so much of the way: of the first to the stop's edge, to the far face's
-/// rim; of the second to the stop's edge, as a part of the first.
+/// Largest steps that are trusted. The first step to the stop's edge and the step to the far face's
+/// rim are shares of the bound. The second step to the stop's edge is a share of the first one.
 constexpr float kStopStep = 0.6F, kFarStep = 0.15F, kSecondStep = 0.5F;
 
-/// The place where a ray from s to u crosses: of_s * s + of_u * u.
+/// The point where a ray from s to u crosses the surface: of_s * s + of_u * u.
 template <class Real>
 PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux, Real uy,
                              Real& of_s, Real& of_u) {
@@ -25,7 +25,7 @@ PLENOFLAME_INLINE void cross(const KernelCrossing<Real>& c, Real sx, Real sy, Re
          uu * (q[3] + ss * q[6] + uu * q[9]);
 }
 
-/// Changes of those factors with u along v.
+/// Derivatives of these factors with u along v.
 template <class Real>
 PLENOFLAME_INLINE void crossing_changes(const KernelCrossing<Real>& c, Real sx, Real sy, Real ux,
                                         Real uy, Real vx, Real vy, Real& of_s, Real& of_u) {
@@ -33,20 +33,20 @@ PLENOFLAME_INLINE void crossing_changes(const KernelCrossing<Real>& c, Real sx, 
   const Real* q = c.of_aim;
   const Real ss = sx * sx + sy * sy, sv = sx * vx + sy * vy;
   const Real su = sx * ux + sy * uy, uu = ux * ux + uy * uy;
-  const Real uv = Real(2) * (ux * vx + uy * vy);  // the change of uu
+  const Real uv = Real(2) * (ux * vx + uy * vy);  // derivative of uu
   of_s = sv * (p[2] + ss * p[5] + uu * p[8] + Real(2) * p[7] * su) +
          uv * (p[3] + ss * p[6] + p[8] * su + Real(2) * p[9] * uu);
   of_u = sv * (q[2] + ss * q[5] + uu * q[8] + Real(2) * q[7] * su) +
          uv * (q[3] + ss * q[6] + q[8] * su + Real(2) * q[9] * uu);
 }
 
-/// A place on a surface behind the microlens, and how it changes with the aim point along the way.
+/// A point on a surface behind the microlens, and its derivative with the aim point along the way.
 template <class Real>
 struct EdgePoint {
   Real x, y, change_x, change_y;
 };
 
-/// The place where a ray from s to u crosses a surface, and how that changes with u along v.
+/// The point where a ray from s to u crosses a surface, and its derivative with u along v.
 template <class Real>
 PLENOFLAME_INLINE EdgePoint<Real> edge_point(const KernelCrossing<Real>& crossing, Real sx, Real sy,
                                              Real ux, Real uy, Real vx, Real vy) {
@@ -57,18 +57,18 @@ PLENOFLAME_INLINE EdgePoint<Real> edge_point(const KernelCrossing<Real>& crossin
           change_s * sy + change_u * uy + of_u * vy};
 }
 
-/// A step of Newton's method back to a circle from a place beyond it. The height less the radius,
-/// times the height, as their series in the difference of the squares: no root.
-/// @param beyond the difference @param curvature the radius to the power of -2
-/// @param slope half of how the square changes
+/// A step of Newton's method from a point beyond a circle back to it. The product of height and
+/// (height - radius) is a series in the difference of the squares, which needs no root.
+/// @param beyond the difference of the squares @param curvature the radius to the power of -2
+/// @param slope half of the derivative of the square
 template <class Real>
 PLENOFLAME_INLINE Real step_to_rim(Real beyond, Real curvature, Real slope) {
   const Real part = beyond * curvature;
   return beyond * (Real(0.5) + part * (Real(0.125) - Real(0.0625) * part)) / slope;
 }
 
-/// Draws the bounds in to the rim of the microlens' far face, by a step of Newton's method. The
-/// square of the step, which is more than the next one would be, is left.
+/// Moves the bounds in to the rim of the microlens' far face by a step of Newton's method. The
+/// square of the step stays as a margin, since it exceeds the next step.
 template <class Real>
 PLENOFLAME_INLINE void find_far_rim(const KernelFrame<Real>& c, int first, int count,
                                     const KernelBlock<Real>& block) {
@@ -98,7 +98,7 @@ PLENOFLAME_INLINE void find_far_rim(const KernelFrame<Real>& c, int first, int c
   }
 }
 
-/// The stop, as what a microlens' rays from s through u, both in units, have to pass.
+/// The stop as the limit of a microlens' rays from s through u, both in units.
 template <class Real>
 struct StopEdge {
   KernelCrossing<Real> at_pupil;
@@ -115,7 +115,7 @@ PLENOFLAME_INLINE StopEdge<Real> stop_edge(const KernelFrame<Real>& c) {
           c.across[2], c.across[3]};
 }
 
-// From the exit pupil, at (a, b) along the field and across it, to the stop.
+// Maps the exit pupil, at (a, b) along the field and across it, to the stop.
 template <class Real>
 PLENOFLAME_INLINE Real along_field(const StopEdge<Real>& e, Real a, Real aa, Real bb) {
   return e.l0 + a * (e.l1 + e.l2 * a + e.l4 * aa + e.l5 * bb) + e.l3 * bb;
@@ -125,7 +125,7 @@ PLENOFLAME_INLINE Real across_field(const StopEdge<Real>& e, Real a, Real b, Rea
   return b * (e.m0 + e.m1 * a + e.m2 * aa + e.m3 * bb);
 }
 
-/// Distance of a ray beyond the stop's edge there, as the difference of the squares.
+/// Distance of a ray beyond the stop's edge, as the difference of the squares.
 template <class Real>
 PLENOFLAME_INLINE Real beyond_stop(const StopEdge<Real>& e, Real sx, Real sy, Real ux, Real uy) {
   Real of_s, of_u;
@@ -137,8 +137,9 @@ PLENOFLAME_INLINE Real beyond_stop(const StopEdge<Real>& e, Real sx, Real sy, Re
   return along * along + across * across - e.radius2;
 }
 
-/// The same for the stop, by a step of Newton's method and one along the parabola through what is
-/// known: distance from the edge and its slope before the first step, and distance after it.
+/// Moves the bounds in to the stop's edge by a step of Newton's method and a second step along a
+/// parabola. The parabola has the distance from the edge and its slope before the first step, and
+/// the distance after it.
 template <class Real>
 PLENOFLAME_INLINE void find_stop(const KernelFrame<Real>& c, int first, int count,
                                  const KernelBlock<Real>& block) {
@@ -155,10 +156,10 @@ PLENOFLAME_INLINE void find_stop(const KernelFrame<Real>& c, int first, int coun
   const StopEdge<Real> edge = stop_edge(c);
   const Real fx = edge.field_x, fy = edge.field_y, curvature = Real(1) / edge.radius2;
   const int padded = (count + 15) & ~15;
-  // seen_along, seen_across: where the ray crosses the exit pupil, along the field and across it.
-  // steps, beyond_line first hold the derivatives of that crossing; after the second loop, the
-  // Newton step, and the squared distance from the edge before it less half of what its slope
-  // predicts.
+  // The point where the ray crosses the exit pupil is at seen_along and seen_across, along the
+  // field and across it. The derivatives of that point are first in steps and beyond_line. The
+  // second loop writes the Newton step to steps. It writes to beyond_line the squared distance from
+  // the edge before the step, less half of the change that its slope predicts.
   alignas(64) Real steps[kBlockRays + kBlockSlack], beyond_line[kBlockRays + kBlockSlack];
   alignas(64) Real seen_along[kBlockRays + kBlockSlack], seen_across[kBlockRays + kBlockSlack];
 #pragma omp simd
@@ -185,8 +186,8 @@ PLENOFLAME_INLINE void find_stop(const KernelFrame<Real>& c, int first, int coun
                   da * b * (edge.m1 + Real(2) * edge.m2 * a));
     const Real beyond = along * along + across * across - edge.radius2;
     const Real by = step_to_rim(beyond, curvature, slope);
-    // No edge is in sight where the line does not lead outwards, or the edge is not ahead; and
-    // where the bounds lie well outside of the edge there may be another one between.
+    // No step is made if the line does not lead outwards, or if the edge is not ahead. Bounds far
+    // outside of the edge are kept, too, because another edge may lie between.
     const bool in_sight = (slope > Real(0)) & (by > Real(0)) & (by < Real(kStopStep) * bound);
     steps[i] = in_sight ? by : Real(0);
     beyond_line[i] = beyond - by * slope;
@@ -199,10 +200,10 @@ PLENOFLAME_INLINE void find_stop(const KernelFrame<Real>& c, int first, int coun
     const Real beyond = beyond_stop(edge, sx, sy, ux, uy);
     const Real part = beyond / (Real(2) * (beyond_line[i] - beyond));
     const Real second = magnitude(part) * step;
-    // The next step would be this, as the edge bends: by the two that were made, or as a
-    // circle; and by as much as the parabola may miss the slope.
+    // Estimate of the next step from the curvature of the edge: from the two steps, or from a
+    // circle. It includes the error of the parabola's slope.
     const Real left = second * (greatest(second, Real(2) * part * part) + Real(0.5) * step * step);
-    // There was no edge if the second step is no small one.
+    // A large second step means that there was no edge.
     const bool trusted = (step > Real(0)) & (magnitude(part) <= Real(kSecondStep));
     bounds[i] = bound - (trusted ? greatest(step + step * part - left, Real(0)) : Real(0));
   }

@@ -7,10 +7,10 @@
 
 namespace plenoflame {
 
-/// Entries of every array of a block: kernels write a little beyond the last ray.
+/// Entries of every array of a block: kernels write a few entries beyond the last ray.
 inline constexpr int kPaddedBlock = kBlockRays + 2 * kBlockSlack;
 
-/// Arrays of kPaddedBlock numbers each, 64-byte aligned, of zeros at first.
+/// Arrays of kPaddedBlock numbers each, 64-byte aligned, initially 0.
 template <class Real>
 class AlignedColumns {
  public:

@@ -9,14 +9,14 @@ namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
 PLENOFLAME_INLINE float to_unit(std::uint32_t fraction, float) {
-  // 23 bits and half a step: inside (0, 1), never its ends.
+  // 23 bits and half a step give numbers in (0, 1) without its ends.
   return static_cast<float>(static_cast<std::int32_t>(fraction >> 9)) * 0x1p-23f + 0x1p-24f;
 }
 PLENOFLAME_INLINE double to_unit(std::uint32_t fraction, double) {
   return static_cast<double>(fraction) * 0x1p-32 + 0x1p-33;
 }
 
-/// sin(2 pi b) for |b| <= 1/4, by its Taylor series to b^13: 6e-10 at the end.
+/// sin(2 pi b) for |b| <= 1/4, by its Taylor series to b^13; the error at the end is 6e-10.
 template <class Real>
 PLENOFLAME_INLINE Real sin_turn(Real b) {
   const Real x = Real(6.283185307179586477) * b, x2 = x * x;
@@ -30,7 +30,7 @@ PLENOFLAME_INLINE Real sin_turn(Real b) {
 
 constexpr int kBlockOfLookups = 16;
 
-/// Cuts (-low, high, low_far, -high_far) of as many rays.
+/// Cuts (-low, high, low_far, -high_far) of several rays.
 template <class Real>
 PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* __restrict step,
                                     const Real* __restrict part, Real* __restrict low,
@@ -47,7 +47,7 @@ PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* __restrict st
 }
 
 #if defined(__GNUC__) && !defined(__clang__) && defined(__AVX2__)
-// Tables in registers: gathering takes longer than all else here.
+// Tables are in registers: gathering from memory would take longer than the rest of the kernel.
 #ifdef __AVX512F__
 typedef float Lanes __attribute__((vector_size(64)));
 typedef int LaneNumbers __attribute__((vector_size(64)));
@@ -86,10 +86,10 @@ PLENOFLAME_INLINE void look_up_cuts(const CutColumn& c, const int* step, const f
 
 /// Makes the SensorSamples of one pixel.
 ///
-/// The sensor point is drawn from where the pixel gets light, inside a disc about the micro-image's
-/// centre: first its column, then its row in the chord. aim_rays(), which is the larger part, goes
-/// through all pixels at once, so that it has no half empty vectors.
-/// @param steps where the point lies in the pixel's cuts
+/// The sensor point is drawn in the lit part of the pixel, inside a disc about the micro-image's
+/// centre. Its column is drawn first, then its row in the chord. The larger part of the work,
+/// aim_rays(), runs over all pixels at once, so that its vectors are full.
+/// @param steps position of the point in the pixel's cuts
 template <class Real>
 PLENOFLAME_INLINE void place_rays(const KernelFrame<Real>& c, const KernelPixel<Real>& pixel,
                                   const KernelBlock<Real>& block, Real* __restrict steps) {
@@ -134,15 +134,15 @@ PLENOFLAME_INLINE void place_rays(const KernelFrame<Real>& c, const KernelPixel<
     }
   };
   if (pixel.count <= kBlockOfLookups) {
-    place(0);  // no loop, whose set-up takes as long as its body
+    place(0);  // without the loop, whose set-up takes as long as its body
   } else {
     for (int begin = 0; begin < pixel.count; begin += kBlockOfLookups) place(begin);
   }
 }
 
-/// Makes the SensorSamples of one pixel that records light from beside it, too: points are spread
-/// by the blur in both directions. Those that no light comes from count for nothing.
-/// @param steps where the point lies in the pixel's cuts
+/// Makes the SensorSamples of one pixel that also records light from beside it. The blur spreads
+/// the points in both directions. Points without light have the weight 0.
+/// @param steps position of the point in the pixel's cuts
 template <class Real>
 PLENOFLAME_INLINE void place_blurred_rays(const KernelFrame<Real>& c,
                                           const KernelPixel<Real>& pixel,
@@ -173,7 +173,7 @@ PLENOFLAME_INLINE void place_blurred_rays(const KernelFrame<Real>& c,
         pixel.y + c.pitch_y * spread(pixel.y0 + (pixel.y1 - pixel.y0) * number(1, i), across);
     const Real wx = sx - c.centre_x, wy = sy - c.centre_y, distance2 = wx * wx + wy * wy;
     const bool lit = distance2 <= radius2;
-    // A place from which rays can be aimed, for points that are dark as well.
+    // Dark points, too, are moved to a place from which rays can be aimed.
     const Real pull = lit ? Real(1) : square_root(radius2 / distance2);
     samples.x[i] = c.centre_x + pull * wx;
     samples.y[i] = c.centre_y + pull * wy;
@@ -184,7 +184,7 @@ PLENOFLAME_INLINE void place_blurred_rays(const KernelFrame<Real>& c,
   }
 }
 
-/// Makes their PupilExtents.
+/// Makes the PupilExtents of the samples.
 template <class Real>
 PLENOFLAME_INLINE void cut_rays(const KernelPixel<Real>& pixel, const KernelBlock<Real>& block,
                                 const Real* __restrict steps) {
@@ -209,12 +209,14 @@ PLENOFLAME_INLINE void cut_rays(const KernelPixel<Real>& pixel, const KernelBloc
   }
 }
 
-/// A disc, seen from an inner point that lies at (p, q) from its middle, in the direction v: it
-/// reaches as far as the positive solution r of v^2 r^2 + 2 product r = room.
-/// Keeps `product` and `squares`, product^2 + v^2 room, where that is less far than what they say;
-/// by roots to 6.5e-4. What is kept is never less far than the nearest of the discs; farther by
-/// about as much, by up to some percent where a disc is so large that root and product nearly
-/// cancel.
+/// Keeps the nearer one of two bounds. An inner point is at (p, q) from the middle of a disc. In
+/// the direction v the disc reaches as far as the positive solution r of v^2 r^2 + 2 product r =
+/// room.
+///
+/// The arguments `product` and `squares` = product^2 + v^2 room describe the nearest disc so far.
+/// Roots are accurate to 6.5e-4. The kept bound is never nearer than the nearest disc. It is
+/// farther by about the accuracy of the roots. For a very large disc, root and product nearly
+/// cancel, and the bound is farther by up to some percent.
 template <class Real>
 PLENOFLAME_INLINE void keep_nearest(Real of_this, Real room, Real v2, Real& product, Real& squares,
                                     Real& rough_reach) {
@@ -226,7 +228,7 @@ PLENOFLAME_INLINE void keep_nearest(Real of_this, Real room, Real v2, Real& prod
   rough_reach = nearer ? rough : rough_reach;
 }
 
-/// The discs of the microlens' own apertures as seen from s, along a direction e and across it.
+/// The discs of the microlens' own apertures, seen from s, along a direction e and across it.
 template <class Real>
 PLENOFLAME_INLINE void place_own_discs(const KernelFrame<Real>& c, Real sx, Real sy, Real ex,
                                        Real ey, Real& near_p, Real& near_q, Real& far, Real& far_p,
@@ -240,16 +242,19 @@ PLENOFLAME_INLINE void place_own_discs(const KernelFrame<Real>& c, Real sx, Real
   far_q = shift * beside;
 }
 
-/// Aims the rays that place_rays() has placed: from a point inside that part of the aperture that
-/// sees the scene from there, in all directions, as far as its bounds.
+/// Makes PupilAims of SensorSamples and PupilExtents, mostly in the same memory. The inner
+/// point is inside the part of the aperture that sees the scene. Aim points are in all directions
+/// from it, as far as the bounds of this part.
 ///
-/// The bounds are four discs: those of the two apertures of the microlens, and two through the ends
-/// `low` and `high` of the part's extent along the line through the frame's centre, centred on that
-/// line. Directions are those of a unit disc that is stretched to the part's length and width.
-/// Apertures with sides bound it, too; where nothing else cuts them, directions are those of their
-/// edge: the weights of a disc's would rise towards the corners, and scatter.
-/// (In two loops: one is too long for a processor to look ahead to the next rays.)
-/// Makes PupilAims of SensorSamples and PupilExtents, in the places of most of them.
+/// The bounds are four discs. Two are the apertures of the microlens. The part's extent along the
+/// line through the frame's centre ends at `low` and `high`. The other two discs pass through these
+/// ends and are centred on that line. Directions are those of a unit disc that is stretched to the
+/// part's length and width. Sides of apertures bound the part, too. If nothing else cuts them,
+/// directions follow the edge of the polygon, evenly in the area that they sweep. Directions of a
+/// disc would have larger weights, and more noise, towards its corners.
+///
+/// The code uses two loops: a single one is too long for the processor to look ahead to the next
+/// rays.
 /// @tparam kPairs of sides; 0: apertures are circles
 template <int kPairs, class Real>
 PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count,
@@ -269,7 +274,7 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
 #pragma omp simd
   for (int i = 0; i < padded; ++i) {
     const Real sx = samples.x[i], sy = samples.y[i];
-    // From the centre itself some direction, too.
+    // The centre itself needs some direction, too.
     const Real wx = sx - centre_x + Real(1e-15), wy = sy - centre_y;
     const Real inverse_w = inverse_square_root(wx * wx + wy * wy);
     const Real ex = wx * inverse_w, ey = wy * inverse_w;
@@ -291,14 +296,14 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
         keep_between(c.far_half[k], sided.of_e[k], -sided.of_q[k] * far_q, far_p, side_low,
                      side_high);
       }
-      // The visible part of the aperture may lie beside the line, in a corner: then discs bound it.
+      // If the visible part of the aperture is beside the line, in a corner, discs bound it.
       between = side_high - side_low > Real(0.02) * near;
       low = between ? side_low : low;
       high = between ? side_high : high;
     }
 
-    // The inner point (p, q), and half the length and the width there. Bounds that do not hold it
-    // are taken to reach up to it: all of them lie near the line.
+    // The inner point (p, q), and half the length and width there. Bounds that exclude the point
+    // are extended to it: all of them lie near the line.
     const Real half = greatest(Real(0.5) * (high - low), Real(0));
     const Real p = Real(0.5) * (low + high);
     const Real from_near = p - near_p, from_far = p - far_p;
@@ -387,8 +392,8 @@ PLENOFLAME_INLINE void aim_rays(const KernelFrame<Real>& c, int first, int count
   }
 }
 
-/// Makes rays of PupilAims, in the places of all columns. All weights are exact Jacobians: a bound
-/// that is too wide costs rays, never light.
+/// Makes rays of PupilAims, in the memory of all columns. All weights are exact Jacobians: a bound
+/// that is too wide costs time and loses no light.
 template <class Real>
 PLENOFLAME_INLINE void finish_rays(int first, int count, Real distance,
                                    const KernelBlock<Real>& block) {
@@ -426,7 +431,7 @@ PLENOFLAME_INLINE void finish_rays(int first, int count, Real distance,
 template <class Real>
 PLENOFLAME_INLINE void generate_all(const KernelFrame<Real>& frame, const KernelPixel<Real>* pixels,
                                     int count, Real distance, const KernelBlock<Real>& block) {
-  const KernelFrame<Real> c = frame;  // a copy, which what is written to the block cannot change
+  const KernelFrame<Real> c = frame;  // a copy, which writes to the block cannot change
   alignas(64) Real steps[kBlockRays + kBlockSlack];
   for (int i = 0; i < count; ++i)
     if (c.blur)

@@ -38,7 +38,7 @@ KernelFrame<Real> microlens_frame(const PupilTable& table, const PupilNode& node
     frame.near_half[k] = static_cast<Real>(sides.near_half[pair]);
     frame.far_half[k] = static_cast<Real>(sides.far_half[pair]);
   }
-  // An ideal microlens has one aperture, which the near disc is.
+  // An ideal microlens has a single aperture, which is the near disc.
   frame.finds_far = node.far_reach > 0 && !ideal_array;
   frame.finds_stop = node.stop.known();
   frame.per_unit = static_cast<Real>(1 / table.at_pupil.unit);

@@ -4,18 +4,18 @@
 
 namespace plenoflame {
 
-/// The kernels' data of a microlens that stands at `place`, in the direction `field` from the
-/// optical axis. @param node the table's there @param ideal_array the microlens has one aperture
+/// The kernels' data of a microlens at `place`, in the direction `field` from the optical axis.
+/// @param node entry of the table there @param ideal_array the microlens has one aperture
 template <class Real>
 KernelFrame<Real> microlens_frame(const PupilTable& table, const PupilNode& node, Vec2 place,
                                   Vec2 field, bool ideal_array);
 
-/// Adds what the sides of a lens' apertures are found by exactly: nothing where they have none, or
-/// where lenses of the type differ. @param type of the lens
+/// Adds data that locate the sides of a lens' apertures exactly. Adds nothing for circular
+/// apertures, or if lenses of the type differ. @param type of the lens
 template <class Real>
 void add_faces(const Camera& camera, int type, KernelFrame<Real>& frame);
 
-/// Cuts nothing of a disc with radius `bound`.
+/// A column that leaves a disc with radius `bound` uncut.
 CutColumn whole_aperture(double bound);
 
 }  // namespace plenoflame

@@ -7,7 +7,7 @@ namespace plenoflame {
 struct PointRange {
   std::uint32_t first = 0;
   int points = 0;
-  /// One of several that go on with one another, rather than all there will be.
+  /// True: further ranges may continue the sequence. False: these are all points.
   bool part = false;
 };
 

@@ -1,6 +1,6 @@
-// The stages of drawing rays, as columns of a block. A block of rays that is being drawn holds one
-// stage after the other, and each takes the place of what is not needed any more: fewer columns
-// stay in the first cache.
+// The stages of drawing rays, as columns of a block. A block holds one stage after the other. Each
+// stage overwrites columns that are no longer needed, so that fewer columns stay in the first-level
+// cache.
 #pragma once
 #include "math/kernel_math.h"
 #include "render/sampling/backward_kernel.h"
@@ -8,13 +8,13 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// Points on the sensor, and the two numbers that will choose a point of the pupil. `x`, `y` and
-/// `area` hold through all stages.
+/// Points on the sensor, and the two numbers that later select a point of the pupil. `x`, `y` and
+/// `area` stay valid through all stages.
 template <class Real>
 struct SensorSamples {
   Real *x, *y;         ///< [m] from the microlens' centre
-  Real* area;          ///< [m^2] of the pixel that the point stands for
-  Real* pupil_radius;  ///< share of the pupil's area within the point to be, 0 to 1
+  Real* area;          ///< [m^2] area of the pixel that the point represents
+  Real* pupil_radius;  ///< share of the pupil's area within the point, 0 to 1
   Real* pupil_turn;    ///< direction of that point, -1/2 to 1/2 of a turn
 };
 
@@ -24,15 +24,15 @@ struct PupilExtents {
   Real *low, *high, *low_far, *high_far;
 };
 
-/// Half lines in the aim plane, from a point inside the unvignetted pupil: a ray will pass at
-/// inner + sqrt(share) * bound * way.
+/// Half lines in the aim plane, from a point inside the unvignetted pupil. A ray passes at inner +
+/// sqrt(share) * bound * way.
 template <class Real>
 struct PupilAims {
   Real *inner_x, *inner_y;  ///< [m] from the microlens' centre
-  Real *way_x, *way_y;      ///< [m] direction, which need not have unit length
-  Real* bound;              ///< how many times `way` it is to where the pupil ends
-  Real* root_share;         ///< how much of that the ray goes, 0 to 1
-  /// [m^4] pi times the area of the ellipse of the ways, times that of the pixel.
+  Real *way_x, *way_y;      ///< [m] direction; any length
+  Real* bound;              ///< distance to the pupil's edge, in multiples of `way`
+  Real* root_share;         ///< share of the bound at which the ray passes, 0 to 1
+  /// [m^4] pi times the area of the ellipse of the ways, times the area of the pixel.
   Real* area;
 };
 

@@ -9,9 +9,9 @@
 namespace plenoflame {
 namespace {
 
-/// The part of the points that is spread evenly, lest cells become wide far out.
+/// The part of the points that is spread evenly, so that cells far out stay narrow.
 constexpr double kEven = 0.1;
-constexpr int kHalvings = 60;  ///< of an interval, down to a double's last place
+constexpr int kHalvings = 60;  ///< of an interval, down to the precision of a double
 
 double below(double z) {
   return 0.5 * std::erfc(-z / std::numbers::sqrt2);
@@ -23,9 +23,9 @@ class CutGaussian {
   explicit CutGaussian(double deviation)
       : deviation_(deviation), tail_(below(-kCut)), inside_(1 - 2 * tail_) {}
 
-  /// The share of what arrives at an offset that is taken to within the pixel.
+  /// The share of the light at an offset that the pixel records.
   double recorded(double offset) const { return share(offset + 0.5) - share(offset - 0.5); }
-  /// Its integral, from where it begins.
+  /// Its integral from the lower end.
   double integral(double offset) const { return sum(offset + 0.5) - sum(offset - 0.5); }
 
  private:
@@ -35,7 +35,8 @@ class CutGaussian {
   double share(double x) const {
     return (below(std::clamp(x / deviation_, -kCut, kCut)) - tail_) / inside_;
   }
-  /// The integral of share(), by parts: that of the normal distribution function P is z P + p.
+  /// The integral of share() by parts. The integral of the normal distribution function P is z P +
+  /// p.
   double sum(double x) const {
     const double z = x / deviation_;
     if (z <= -kCut) return 0;
@@ -76,7 +77,7 @@ SensorBlur::SensorBlur(double deviation) {
     high_.push_back(width * gaussian.recorded(at_[i + 1]));
     sum += 0.5 * (low_[i] + high_[i]) / kCells;
   }
-  // No light is lost by the straight lines between the cells' ends.
+  // This normalisation makes up for the straight lines between the cells' ends.
   for (double& value : low_) value /= sum;
   for (double& value : high_) value /= sum;
 }

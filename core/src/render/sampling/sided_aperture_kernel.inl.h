@@ -1,4 +1,4 @@
-// Apertures with sides, as rays that a pixel aims see them: part of the backward estimator's vector
+// Apertures with sides, as a pixel's rays see them. A part of the backward estimator's vector
 // kernels, compiled once per instruction set.
 #pragma once
 #include "math/kernel_math.h"
@@ -8,15 +8,15 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// The share of the sides' distance by which bounds stay beyond them, for rounding.
+/// Margin of the bounds beyond the sides, as a share of their distance, for rounding.
 constexpr float kSideRoom = 2e-5F;
 
-/// The part of the line along e through a microlens' apertures, or of a line across it, that lies
-/// between a pair of sides.
+/// The interval between a pair of sides on the line along e through a microlens' apertures, or on a
+/// line across it.
 template <class Real>
 PLENOFLAME_INLINE void keep_between(Real half, Real slope, Real offset, Real middle, Real& least_at,
                                     Real& most_at) {
-  constexpr Real kParallel = Real(1e-4);  // such a pair bounds the line nowhere near
+  constexpr Real kParallel = Real(1e-4);  // such a pair bounds the line only far away
   const Real steep = magnitude(slope) < kParallel ? kParallel : slope;
   const Real inverse = Real(1) / steep, at = middle - offset * inverse;
   const Real reach = half * magnitude(inverse);
@@ -24,8 +24,8 @@ PLENOFLAME_INLINE void keep_between(Real half, Real slope, Real offset, Real mid
   most_at = least(most_at, at + reach);
 }
 
-/// The region between all sides of a microlens' two apertures, as if it were a regular polygon or a
-/// rectangle: its middle along e and across it, and half the distance of its sides.
+/// The region between all sides of a microlens' two apertures, treated as a regular polygon or a
+/// rectangle. Its members are the middle along e and across it, and half the distance of its sides.
 template <class Real, int kPairs>
 struct SidedAperture {
   Real p, q, half[kPairs];
@@ -65,14 +65,14 @@ PLENOFLAME_INLINE SidedAperture<Real, kPairs> sided_aperture(const KernelFrame<R
   return a;
 }
 
-/// Tells whether the cuts leave all of it but for tips of its corners, and nothing is empty.
+/// Tells whether the region is open and the cuts remove at most the tips of its corners.
 template <int kPairs, class Real>
 PLENOFLAME_INLINE bool is_uncut(const SidedAperture<Real, kPairs>& a, Real low, Real high,
                                 Real low_far, Real high_far, Real least_half) {
-  constexpr Real kShare = Real(0.9);  // of its reach
+  constexpr Real kShare = Real(0.9);  // share of its reach
   Real along = Real(0), across = Real(0), smallest = a.half[0];
   for (int k = 0; k < kPairs; ++k) {
-    // Corners of a hexagon lie between two normals: 2 / 3 of the sum reach as far.
+    // Corners of a hexagon are between two normals: 2 / 3 of the sum is the reach.
     constexpr Real kPart = kPairs == 2 ? Real(1) : Real(2.0 / 3);
     along += kPart * a.half[k] * magnitude(a.of_e[k]);
     across += kPart * a.half[k] * magnitude(a.of_q[k]);
@@ -84,7 +84,7 @@ PLENOFLAME_INLINE bool is_uncut(const SidedAperture<Real, kPairs>& a, Real low, 
          (cut2 > kShare * kShare * across * across);
 }
 
-/// The way from its middle to its edge, evenly by the area that is swept.
+/// The vector from its middle to its edge, even in the area that it sweeps.
 /// @param turn -1/2 to 1/2
 template <int kPairs, class Real>
 PLENOFLAME_INLINE void way_to_edge(const SidedAperture<Real, kPairs>& a, Real turn, Real& vp,
@@ -105,8 +105,9 @@ PLENOFLAME_INLINE void way_to_edge(const SidedAperture<Real, kPairs>& a, Real tu
   vq = sign * (q * out + e * beside * along);
 }
 
-/// A step of Newton's method from a bound that lies beyond a side back to it: the square of the
-/// step, which is more than the next one would be, is left. @param slope of what is beyond
+/// A step of Newton's method from a bound beyond a side back to the side. The square of the step
+/// stays as a margin, since it exceeds the next step.
+/// @param slope derivative of the distance beyond the side
 template <class Real>
 PLENOFLAME_INLINE Real step_to_side(Real bound, Real beyond, Real slope) {
   const Real by = beyond / greatest(slope, Real(1e-30)) / bound;
@@ -114,8 +115,9 @@ PLENOFLAME_INLINE Real step_to_side(Real bound, Real beyond, Real slope) {
   return trusted ? bound * (Real(1) - by + by * by) : bound;
 }
 
-/// Draws bounds in to where rays cross the two faces of the microlens beyond a pair of sides: the
-/// near one where the line meets its sphere, the far one by the polynomials of its rim.
+/// Moves bounds in to the points where rays cross a pair of sides on the two faces of the
+/// microlens. For the near face, the line is intersected with its sphere. For the far face, the
+/// polynomials of its rim give the point.
 template <class Real>
 [[gnu::noinline]] void find_faces_sides(const KernelFrame<Real>& c, int pair, int first, int padded,
                                         Real per_distance, Real* __restrict reach,
@@ -134,7 +136,7 @@ template <class Real>
   for (int i = 0; i < padded; ++i) {
     const Real bound = reach[i], vx = way_x[i], vy = way_y[i];
     const Real ux = inner_x[i] + bound * vx, uy = inner_y[i] + bound * vy;
-    // The line through u with the slope w meets the sphere at the depth behind its vertex that
+    // The line through u with the slope w meets the sphere at a depth behind its vertex. The depth
     // solves c (1 + w.w) depth^2 - 2 (1 - c u.w) depth + c u.u = 0.
     const Real wx = per_distance * (ux - x[i]), wy = per_distance * (uy - y[i]);
     const Real f = curvature * (ux * ux + uy * uy), g = Real(1) - curvature * (ux * wx + uy * wy);
@@ -163,8 +165,8 @@ template <class Real>
   }
 }
 
-/// Draws the bounds in to the sides of the microlens' apertures, where the inner point lies between
-/// them: what lies beyond is stopped.
+/// Moves the bounds in to the sides of the microlens' apertures, if the inner point is between
+/// them. Rays beyond a side are blocked.
 template <class Real>
 [[gnu::noinline]] void find_sides(const KernelFrame<Real>& c, int first, int count, Real distance,
                                   const KernelBlock<Real>& block) {
@@ -196,7 +198,7 @@ template <class Real>
       const Real towards = way < Real(0) ? Real(-1) : Real(1);
       const Real room = least(near - towards * from_near, far - towards * from_far);
       const bool inside = (magnitude(from_near) < near) & (magnitude(from_far) < far);
-      // Once outside of a pair of sides the whole way is kept, whatever the others say.
+      // Once a point is outside of a pair of sides, its bound stays unchanged for all pairs.
       const Real nearer = least(reach[i], room * inverse);
       reach[i] = inside & (reach[i] > Real(0)) ? nearer : Real(-1);
     }

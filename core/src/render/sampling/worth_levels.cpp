@@ -14,7 +14,7 @@ constexpr double limit_after(int k) {
 }
 constexpr std::array<double, WorthLevels::kCount> kLimits{
     limit_after(0), limit_after(1), limit_after(2), limit_after(3), limit_after(4), limit_after(5)};
-constexpr int kSteps = 64;  ///< over a micro-image, in which levels are looked for
+constexpr int kSteps = 64;  ///< over a micro-image, for the search of levels
 
 }  // namespace
 
@@ -34,7 +34,7 @@ WorthLevels::WorthLevels(const PupilTable& table, double half) : per_step_(1 / t
     if (node.dark()) continue;
     const OpenShare open(node, half);
     const double outer = node.outer_radius + half, step = outer / kSteps;
-    // From outside, so that a ring holds all that is worth more.
+    // From outside inwards, so that a ring contains all pixels with a higher worth.
     double distance = outer, worth = open.mean(distance);
     for (std::size_t k = kCount; k-- > 0;) {
       while (worth <= kLimits[k] && distance > 0) {

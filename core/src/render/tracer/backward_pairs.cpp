@@ -1,6 +1,5 @@
-// A part of TileTracer: pairs of a pixel and a microlens, whose rays are queued. Between two of
-// them there is little to do and much to keep, which is why all of it is one function for the
-// compiler.
+// A part of TileTracer: queues the rays of pairs of a pixel and a microlens. A pair needs little
+// work and much state, so the whole loop is one function for the compiler.
 #include <algorithm>
 
 #include "render/tracer/backward_tile.h"
@@ -23,7 +22,7 @@ template <class Real>
   made.first = count_;
   made.count = count;
   ++queued_count_;
-  // Filled in where it stays: what is copied while it is still being written has to wait for it.
+  // Written in place: a copy of data that are still being written would have to wait for them.
   PixelRays& pending = pending_[static_cast<std::size_t>(pending_count_++)];
   pending.column = column;
   pending.row = row;
@@ -39,13 +38,13 @@ template <class Real>
   count_ += count;
 }
 
-/// Queues the rays of pixel(), of which all but the points is known.
+/// Queues the rays of pixel(), which is complete except for the points.
 template <class Real>
 [[gnu::always_inline]] inline void TileTracer<Real>::place_pair(int column, int row,
                                                                 const SampleLevel& level,
                                                                 const PairRandom& random) {
   const SobolPool& pool = *level.pool;
-  // The upper half of the product: evenly spread over the entries, without a division.
+  // The upper half of the product is evenly spread over the entries and needs no division.
   const int entry =
       static_cast<int>(((random[2] >> 32) * static_cast<std::uint64_t>(pool.entries())) >> 32);
   const int total = pool.replicates() * pool.points();
@@ -58,14 +57,14 @@ template <class Real>
     }
   }
   counters_.pairs += 1;
-  // A pixel's rays are split only when a block cannot hold them: how they fall into blocks must
-  // not depend on the neighbours, or results would depend on the window.
+  // A pixel's rays are split only if a block cannot hold them. Their distribution over blocks must
+  // not depend on neighbours, because results must not depend on the window.
   if (count_ + std::min(total, kBlockRays) > kBlockRays) [[unlikely]]
     flush_keeping(pixel());
   queue(column, row, level, entry, 0, std::min(total, kBlockRays), random[0]);
   for (int offset = kBlockRays; offset < total; offset += kBlockRays) {
     const KernelPixel<Real> each = queued_.front();
-    flush();  // it was alone in the block, and is so in the next one
+    flush();  // the pixel was alone in the block, and will be in the next
     pixel() = each;
     queue(column, row, level, entry, offset, std::min(total - offset, kBlockRays), random[0]);
   }
@@ -77,9 +76,10 @@ void TileTracer<Real>::add_pair(int column, int row, const SampleLevel& level,
   place_pair(column, row, level, random);
 }
 
-/// Makes shares of the blur of the columns and rows that get light. @param k number of the pixel
-/// @param radius of the disc that light comes from [m] @return level by the share that they are of
-/// all places that the pixel records light from
+/// Converts the lit columns and rows of a pixel to shares of the blur.
+/// @param k number of the pixel
+/// @param radius of the lit disc [m]
+/// @return level of the lit share of all places from which the pixel records light
 template <class Real>
 int TileTracer<Real>::spread_pixel(const KernelRows& rows, std::size_t k, double radius,
                                    KernelPixel<Real>& made) const {
@@ -109,7 +109,7 @@ void TileTracer<Real>::add_rows(const KernelRows& rows) {
   for (int i = 0; i < all; ++i) {
     const auto k = static_cast<std::size_t>(i);
     seen[static_cast<std::size_t>(count)] = i;
-    // No branches: they could not be foretold.
+    // Without branches, which the processor could not predict.
     const int gets_light = rows_.x_width[k] > 0 ? 1 : 0;
     lit += gets_light;
     count += gets_light & (rows_.visibility[k] != kSeesNone ? 1 : 0);

@@ -40,46 +40,49 @@ using SobolPools = std::vector<SobolPool>;
 struct SampleLevel {
   const SobolPool* pool = nullptr;
   int pool_level = 0;
-  double scale = 1;      ///< what a sum counts, compared with one over all points
-  int log2_points = -1;  ///< of the pool's points, as in PixelRays
+  double scale = 1;      ///< weight of a sum, relative to a sum over all points
+  int log2_points = -1;  ///< logarithm of the pool's points, as in PixelRays
 };
 
 /// Everything that is the same for all tiles; immutable.
 template <class Real>
 struct BackwardPlan {
   const CompiledScene* scene = nullptr;
-  const Medium* medium = nullptr;  ///< the scene's
-  bool medium_bends = false;       ///< it takes rays through the windows by itself
+  const Medium* medium = nullptr;  ///< medium of the scene
+  bool medium_bends = false;       ///< the medium itself takes rays through the windows
   const RenderSettings* settings = nullptr;
   BackwardKernels<Real> kernels;
   CameraKernels<Real> optics;
   KernelCamera<Real> camera;
   std::vector<KernelMicrolens<Real>> microlenses;
-  /// The entry of `microlenses` for rays that pass between them (clear arrays; -1: opaque); their
-  /// aim plane in front of the array [m].
+  /// The entry of `microlenses` for rays that pass between them (clear arrays; -1: opaque), and
+  /// their aim plane in front of the array [m].
   int between_type = -1;
   Real between_z = 0;
   Vec3 anchor;                        ///< [m] world
   const SceneBeams* beams = nullptr;  ///< nullptr: nothing is skipped
-  RadianceTable* table = nullptr;     ///< may stand in for the medium; single precision only
-  /// For all plans of a range. One pool per level: level k has 2^-k of the points, for pixels worth
-  /// less.
+  RadianceTable* table = nullptr;     ///< may replace the medium; single precision only
+  /// The pools that all plans of a range share, one per level. Level k has 2^-k of the points, for
+  /// pixels with less worth.
   std::shared_ptr<const SobolPools> pools_of_range;
   const SobolPools& pools() const { return *pools_of_range; }
-  std::vector<SampleLevel> levels;                ///< all of them
-  std::vector<WorthLevels> worths;                ///< of each type of microlens
+  std::vector<SampleLevel> levels;                ///< one entry per level
+  std::vector<WorthLevels> worths;                ///< for each type of microlens
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
   const ScatterPlan* scatter = nullptr;           ///< nullptr: nothing scatters
   std::uint32_t first = 0;                        ///< number of the first point
-  double reach = 0;  ///< [m] how far from its microlens a micro-image may extend, centre included
-  std::optional<SensorBlur> blur;     ///< none: pixels record what arrives on them
+  /// [m] Largest reach of a micro-image from its microlens, with the displacement of its centre.
+  double reach = 0;
+  std::optional<SensorBlur> blur;     ///< none: pixels record only light that arrives on them
   KernelBlur<Real> blur_of_pixels{};  ///< with blur
 };
 
-/// The plan by which a BackwardPass goes in a precision. @param medium the scene's, or what stands
-/// in for it @param light of surfaces; nullptr without them @param scatter nullptr: nothing
-/// scatters. Plan and tracers keep pointers to all of them @param pools of another plan of the same
-/// settings and range; nullptr: they are made
+/// Makes the plan of a BackwardPass for one precision. Plan and tracers keep pointers to all
+/// arguments.
+/// @param medium of the scene, or its replacement
+/// @param light of surfaces; nullptr without surfaces
+/// @param scatter nullptr: nothing scatters
+/// @param pools of another plan of the same settings and range; nullptr: new ones are made
 template <class Real>
 BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
                                   const RenderSettings& settings, const PointRange& range,

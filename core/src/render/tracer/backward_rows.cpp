@@ -9,7 +9,7 @@ namespace plenoflame {
 
 namespace {
 
-/// The survey of the rows behind a microlens: all but which pixels they are.
+/// The data of the rows behind a microlens, except for the numbers of the pixels.
 KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLevels::Rings& worth,
                      double lens_x, Vec2 field) {
   const SensorSpec& sensor = camera.spec().sensor;
@@ -37,11 +37,11 @@ KernelRows survey_of(const Camera& camera, const PupilNode& node, const WorthLev
   return survey;
 }
 
-/// Pixels of the tile that record light of a disc around `centre` on the sensor; none: a width or
-/// height not above 0.
+/// Pixels of the tile that record light of a disc around `centre` on the sensor. If there are none,
+/// the width or height is not positive.
 PixelWindow pixels_of(const SensorSpec& sensor, const PixelWindow& tile, Vec2 centre,
                       double radius) {
-  // Upright images run against camera x, y.
+  // Upright images run opposite to camera x, y.
   const auto column_of = [&](double x) {
     return static_cast<int>(std::floor(0.5 * sensor.columns - x / sensor.pixel().x));
   };
@@ -87,7 +87,7 @@ void TileTracer<Real>::add_microlens(LensIndex lens) {
     beam_ = plan_.beams->pixels()->of(type, place);
     kernel_beam_ = beam_->kernel();
   }
-  generate_queued();  // what is queued belongs to the frame before
+  generate_queued();  // queued pixels belong to the frame before
   table.look_up(h, node_);
   const PupilNode& node = node_;
   if (node.dark()) return;

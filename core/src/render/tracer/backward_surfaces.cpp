@@ -7,7 +7,7 @@
 namespace plenoflame {
 namespace {
 
-/// Apart from what the camera's rays use, and from each other.
+/// Seeds that differ from those of the camera's rays, and from each other.
 constexpr std::uint64_t kLightSeed = 0x6c69676874u, kFirstLightSeed = 0x6669727374u;
 
 }  // namespace
@@ -83,7 +83,7 @@ void SurfaceBlock<Real>::add_surroundings(int i) {
     radiance_[c][static_cast<std::size_t>(i)] = environment[c];
 }
 
-/// Follows the light from where ray i ends. @param path knows where that is
+/// Follows the light from the end of ray i. @param path knows this end
 template <class Real>
 void SurfaceBlock<Real>::add_path(SurfacePath path, const RayGroup& group, int i) {
   path.ray = i;
@@ -94,7 +94,7 @@ void SurfaceBlock<Real>::add_path(SurfacePath path, const RayGroup& group, int i
     random_.push_back(random_of(group, number));
     const auto replicate = static_cast<std::uint64_t>(number / points);
     const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
-    // Levels count their points apart.
+    // Each level counts its points separately.
     const auto level = static_cast<std::uint64_t>(group.level);
     path.key = mix64(mix64(group.key + kLightSeed + level) ^ (replicate << 32 | point));
   }

@@ -13,46 +13,47 @@ namespace plenoflame {
 
 /// Rays of a block that belong to one pixel and microlens.
 struct RayGroup {
-  int first = 0, count = 0;  ///< in the block
-  int offset = 0;            ///< of the first ray among all replicates' points
+  int first = 0, count = 0;  ///< position in the block
+  int offset = 0;            ///< number of the first ray among all replicates' points
   int level = 0, entry = 0;  ///< pool and its entry
   std::uint64_t key = 0;     ///< of pixel, microlens and seed
 };
 
 /// The plan of surfaces in the backward estimator; the same for all tiles.
 struct BackwardSurfacePlan {
-  /// @param anchor world point that the rays' positions are relative to
-  /// @param light kept, must live as long
+  /// @param anchor world point to which the rays' positions are relative
+  /// @param light kept by reference
   BackwardSurfacePlan(const SurfaceLightPlan& light, const RenderSettings& settings,
                       std::uint32_t first, const std::vector<SobolPool>& pools, Vec3 anchor);
   const SurfaceLightPlan& light;
   std::uint32_t first = 0;
   Vec3 anchor;
   CameraFront front;
-  /// Further dimensions of the points of the same pools; empty when no random numbers are needed.
+  /// Further dimensions of the points of the same pools; empty if no random numbers are needed.
   std::vector<SobolPool> pools;
 };
 
-/// Meets the rays of a block with the surfaces; one per worker.
+/// Intersects the rays of a block with the surfaces; one object per worker.
 template <class Real>
 class SurfaceBlock {
  public:
-  /// @param walk follows the light instead where media scatter; kept; nullptr: nothing does
+  /// @param walk follows the light in media that scatter; kept by reference; nullptr: nothing
+  /// scatters
   SurfaceBlock(const BackwardSurfacePlan& plan, int channels, ScatterWalk* walk = nullptr);
 
-  /// Finds where the rays end, and the radiance that comes from there.
+  /// Finds where the rays end, and the radiance from there.
   /// @param padded number of rays with their padding, whose t_far is set
   void trace(const KernelBlock<Real>& block, const std::vector<RayGroup>& groups, int padded,
              MediumCounters& counters);
-  /// The same for rays through windows, whose ways are cut off where they end.
+  /// The same for rays through windows. Their paths are cut off at their ends.
   void trace_ways(WindowWays& ways, const std::vector<RayGroup>& groups, MediumCounters& counters);
-  /// [W/(m^2 sr)] that comes from the end of ray i, or from the surroundings behind it.
+  /// [W/(m^2 sr)] from the end of ray i, or from the surroundings behind it.
   double radiance(int i, std::size_t channel) const {
     return radiance_[channel][static_cast<std::size_t>(i)];
   }
-  /// The distance at which each ray ends, in the block's own measure [m]; aligned to 64 bytes.
+  /// The distance at which each ray ends, in the precision of the block [m]; aligned to 64 bytes.
   const Real* t_far() const { return t_far_; }
-  /// [m] where ray i ends.
+  /// [m] distance of the end of ray i.
   double end(int i) const { return ends_[static_cast<std::size_t>(i)]; }
   /// Adds transmittance * radiance of the surfaces to `radiance`, channel c at c * stride.
   void add(const Real* transmittance, int transmittance_stride, Real* radiance, int stride) const;

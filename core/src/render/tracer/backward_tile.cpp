@@ -17,7 +17,7 @@ TileTracer<Real>::TileTracer(const BackwardPlan<Real>& plan, RayConsumer<Real>& 
       consumer_(consumer),
       shows_drawn_(consumer.wants_drawn()),
       keeps_groups_(plan.surfaces || plan.scatter),
-      queued_(kBlockRays + 1),  // a pixel has a ray at least
+      queued_(kBlockRays + 1),  // a pixel has at least one ray
       pending_(kBlockRays),
       columns_(plan.scene->camera.pupil_filters().empty() ? 9 : 11),
       codes_(kPaddedBlock) {
@@ -42,7 +42,7 @@ void TileTracer<Real>::trace(int index, const PixelWindow& tile) {
         add_bare_pixel(column, row, plan_.scene->pupils.tables().front(),
                        plan_.beams ? &plan_.beams->lenses() : nullptr, 0);
   } else {
-    // Upright images run against camera x, y.
+    // Upright images run opposite to camera x, y.
     const Vec2 a = camera.sensor_point(tile.x + tile.width, tile.y + tile.height);
     const Vec2 b = camera.sensor_point(tile.x, tile.y);
     const Vec2 reach{plan_.reach, plan_.reach};
@@ -79,7 +79,8 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   has_own_lens_ = false;
   const Vec2 field = h > 0 ? (1 / h) * from_foot : Vec2{1, 0};
   const Vec2 aim = foot + node.aim_centre * field;
-  // No micro-image: the line that aims go by shall hardly turn within the pixel.
+  // Without a micro-image, its centre is far away, so that the aim line hardly turns within the
+  // pixel.
   const Vec2 far = centre - 1e3 * longest * field;
   frame_.centre_x = static_cast<Real>(far.x);
   frame_.centre_y = static_cast<Real>(far.y);
@@ -115,7 +116,7 @@ void TileTracer<Real>::add_bare_pixel(int column, int row, const PupilTable& tab
   add_pair(column, row, plan_.levels.front(), random);
 }
 
-/// Sets the frame's fields of the sensor's blur: deviations and reach.
+/// Sets the fields of the frame for the sensor's blur: deviations and reach.
 template <class Real>
 void TileTracer<Real>::set_blur() {
   if (!plan_.blur) return;
@@ -138,12 +139,12 @@ void TileTracer<Real>::generate_queued() {
   if (shows_drawn_)
     consumer_.drawn({frame_, lens_, between || lens.kind == 0 ? -1 : type_, block_, first, count});
   if (between) end_at_microlenses(first, count);
-  // Between the lenses only the sensor's cover glass is on the way.
+  // Between the lenses, rays pass only the sensor's cover glass.
   plan_.optics.pass_microlens(lens, frame_.lens_x, frame_.lens_y, first, count, block_);
   queued_count_ = 0;
 }
 
-/// Rays that were drawn as if there were no array: those that meet one of its lenses have ended.
+/// Ends rays that were drawn without an array and meet one of its lenses.
 template <class Real>
 void TileTracer<Real>::end_at_microlenses(int first, int count) {
   const Camera& camera = plan_.scene->camera;
@@ -158,7 +159,7 @@ void TileTracer<Real>::end_at_microlenses(int first, int count) {
   }
 }
 
-/// Makes room for the rays of this pixel, which is the one to be queued afterwards.
+/// Makes room for the rays of this pixel, which is queued afterwards.
 template <class Real>
 void TileTracer<Real>::flush_keeping(const KernelPixel<Real>& made) {
   const KernelPixel<Real> kept = made;

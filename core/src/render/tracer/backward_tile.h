@@ -14,7 +14,7 @@ namespace plenoflame {
 /// Random bits of pixel, microlens and seed.
 using PairRandom = std::array<std::uint64_t, kRowWords>;
 
-/// The findings about rows of pixels (KernelRowPixels).
+/// The results for rows of pixels (KernelRowPixels).
 struct PixelRows {
   template <class Number>
   using Array = std::array<Number, kRowsPixels + kRowLanes>;
@@ -26,15 +26,16 @@ struct PixelRows {
   KernelRowPixels arrays();
 };
 
-/// Draws the rays of a tile's pixels and traces them through the camera; one per worker thread.
+/// Draws the rays of a tile's pixels and traces them through the camera; one object per worker
+/// thread.
 template <class Real>
 class TileTracer {
  public:
-  /// @param plan and consumer are kept, must live as long
+  /// @param plan and consumer are kept by reference
   TileTracer(const BackwardPlan<Real>& plan, RayConsumer<Real>& consumer);
-  /// Hands all rays of the tile's pixels to the consumer. @param index of the film's tiles
+  /// Passes all rays of the tile's pixels to the consumer. @param index of the film's tiles
   void trace(int index, const PixelWindow& tile);
-  /// Rays, pairs, what was skipped, and the seconds of the optics.
+  /// Counts of rays, pairs and skipped work, and the seconds of the optics.
   const WorkCounters& counters() const { return counters_; }
 
  private:
@@ -57,35 +58,36 @@ class TileTracer {
   const BackwardPlan<Real>& plan_;
   RayConsumer<Real>& consumer_;
   const bool shows_drawn_, keeps_groups_;
-  PixelWindow tile_;  ///< that is being rendered
+  PixelWindow tile_;  ///< the tile in work
   KernelFrame<Real> frame_{};
   /// The frame's cuts, to which queued rays refer.
   PupilNode node_;
   CutColumn whole_{};
   PixelRows rows_;
-  /// The microlens' beam, if its pixels are looked at one by one.
+  /// The microlens' beam, if its pixels are tested one by one.
   std::optional<PixelBeam> beam_;
   KernelBeam kernel_beam_{};
-  LensIndex lens_;                    ///< of the frame; (0, 0): none
-  int type_ = 0;                      ///< the same
-  KernelMicrolens<Real> own_lens_{};  ///< of the frame, where lenses of a type differ
+  LensIndex lens_;                    ///< microlens of the frame; (0, 0): none
+  int type_ = 0;                      ///< type of this microlens
+  KernelMicrolens<Real> own_lens_{};  ///< of the frame, if lenses of a type differ
   bool has_own_lens_ = false;
-  /// Pixels of the frame whose rays are still to be made, so many; the next one is being filled in.
+  /// The first queued_count_ entries are pixels of the frame without rays so far; the next one is
+  /// being filled in.
   std::vector<KernelPixel<Real>> queued_;
   int queued_count_ = 0;
   KernelPixel<Real>& pixel() { return queued_[static_cast<std::size_t>(queued_count_)]; }
-  /// Pixels whose rays are in the block, so many.
+  /// The first pending_count_ entries are the pixels whose rays are in the block.
   std::vector<PixelRays> pending_;
   int pending_count_ = 0;
   std::span<const PixelRays> pending() const {
     return {pending_.data(), static_cast<std::size_t>(pending_count_)};
   }
   int count_ = 0;        ///< rays in the block
-  int log2_points_ = 0;  ///< the largest of the pending pixels
+  int log2_points_ = 0;  ///< largest value of the pending pixels
   AlignedColumns<Real> columns_;
   std::vector<int> codes_;
   KernelBlock<Real> block_{};
-  std::vector<RayGroup> groups_;  ///< for what follows light: what is pending
+  std::vector<RayGroup> groups_;  ///< of the pending pixels, for code that follows light
   WorkCounters counters_;
 };
 

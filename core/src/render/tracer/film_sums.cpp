@@ -23,8 +23,9 @@ void FilmSums<Real>::add(const TracedRays<Real>& rays, const Real* radiance) {
     add_channel(rays, channel, radiance + channel * kPaddedBlock);
 }
 
-/// A table that says too much is corrected by single rays that count for many: the sum over all of
-/// them can become negative, which light cannot. What that adds is counted: it bounds the bias.
+/// Replaces a negative sum by 0 and counts the difference, which bounds the bias. A table with too
+/// large values is corrected by few rays with large weights. The sum over all rays can then become
+/// negative, unlike light.
 template <class Real>
 double FilmSums<Real>::not_negative(double sum, double scale) {
   TableCounters& table = table_;
@@ -37,8 +38,8 @@ double FilmSums<Real>::not_negative(double sum, double scale) {
   return sum;
 }
 
-/// Sums rays of few points: which are how many could not be foretold, if every ray were added on
-/// its own.
+/// Sums the rays of few points. Adding each ray on its own would need branches that the processor
+/// could not predict.
 template <class Real>
 void FilmSums<Real>::sum_rays(const TracedRays<Real>& rays, const Real* radiance) {
   Real* sums = sums_of_rays_[0].data();
@@ -65,7 +66,7 @@ void FilmSums<Real>::add_channel(const TracedRays<Real>& rays, int channel, cons
     const double scale = pending.scale;
     double* const pixel = sums + static_cast<std::size_t>(pending.row - tile_.y) * width +
                           static_cast<std::size_t>(pending.column - tile_.x);
-    // Nearly always: all replicates, of 1, 2, 4 or 8 points.
+    // The usual case: all replicates, of 1, 2, 4 or 8 points.
     const bool few = pending.log2_points >= 0;
     const Real* const sums_from =
         sums_of_rays_[static_cast<std::size_t>(few ? pending.log2_points : 0)].data();
@@ -79,7 +80,7 @@ void FilmSums<Real>::add_channel(const TracedRays<Real>& rays, int channel, cons
     int left = points - pending.offset % points;
     for (int i = pending.first; i < pending.first + pending.count; ++replicate, left = points) {
       const int end = std::min(pending.first + pending.count, i + left);
-      // Blocks hold all points of a replicate that has few.
+      // Blocks hold all points of a replicate with few points.
       static_assert(kBlockRays % (1 << kMostLog2Points) == 0);
       double sum = few ? static_cast<double>(sums_from[i])
                        : plan_.kernels.sum(rays.block.weight + i, radiance + i, end - i);

@@ -10,11 +10,11 @@
 namespace plenoflame {
 
 /// Adds weight * radiance of the rays of a block to the sums of a film's tile, each ray to its own
-/// randomisation. One per worker thread.
+/// replicate. One object per worker thread.
 template <class Real>
 class FilmSums {
  public:
-  /// @param plan and film are kept, must live as long
+  /// @param plan and film are kept by reference
   FilmSums(const BackwardPlan<Real>& plan, Film& film);
   void begin_tile(int index, const PixelWindow& tile);
   /// @param radiance channel c of ray i at [c * kPaddedBlock + i]
@@ -31,7 +31,7 @@ class FilmSums {
   Film& film_;
   int tile_index_ = 0;
   PixelWindow tile_;
-  /// The light that each ray of the block adds, and the sums of 2, 4 and 8 from each on.
+  /// The light of each ray of the block, and the sums of 2, 4 and 8 rays from each ray on.
   std::vector<std::vector<Real>> sums_of_rays_;
   TableCounters table_;
 };

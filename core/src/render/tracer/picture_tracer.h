@@ -6,8 +6,8 @@
 
 namespace plenoflame {
 
-/// Makes a picture of the rays of a plan: tracer, integrator and film in a row. One per worker
-/// thread.
+/// Makes a picture from the rays of a plan: tracer, integrator and film in sequence. One object per
+/// worker thread.
 template <class Real>
 class PictureTracer : public RayConsumer<Real> {
  public:

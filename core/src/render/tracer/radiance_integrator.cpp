@@ -13,11 +13,11 @@
 namespace plenoflame {
 namespace {
 
-constexpr int kLeastTablePoints = 8;  ///< of a replicate: with fewer every ray is integrated
-/// One point of so many corrects the table, where it is smooth and where it is fair.
+constexpr int kLeastTablePoints = 8;  ///< of a replicate; with fewer, every ray is integrated
+/// One of this number of points corrects the table, in smooth and in fair places.
 constexpr int kSmoothPoints = 16, kFairPoints = 4;
 
-/// Columns of transmittance: what is behind a medium needs that of every node.
+/// Columns of transmittance: light from behind a medium needs that of every node.
 template <class Real>
 std::size_t transmittances(const BackwardPlan<Real>& plan) {
   return plan.surfaces && !plan.medium->is_grey()
@@ -46,7 +46,7 @@ RadianceIntegrator<Real>::RadianceIntegrator(const BackwardPlan<Real>& plan)
 template <class Real>
 void RadianceIntegrator<Real>::integrate(const TracedRays<Real>& rays) {
   auto last = std::chrono::steady_clock::now();
-  // Since it was asked before: a clock takes long beside a block of rays.
+  // Time since the last call. A clock takes long in comparison with a block of rays.
   const auto lap = [&last] {
     const auto before = std::exchange(last, std::chrono::steady_clock::now());
     return std::chrono::duration<double>(last - before).count();
@@ -92,7 +92,7 @@ void RadianceIntegrator<Real>::integrate_rays(const TracedRays<Real>& rays) {
   mix_nodes(rays);
 }
 
-/// Channels of what stands for them.
+/// Sums the nodes to channels.
 template <class Real>
 void RadianceIntegrator<Real>::mix_nodes(const TracedRays<Real>& rays) {
   if (plan_.scene->part_mixes.empty())
@@ -101,7 +101,8 @@ void RadianceIntegrator<Real>::mix_nodes(const TracedRays<Real>& rays) {
     filter(rays);
 }
 
-/// Weakens the light by the filters over parts of the stop, by where each ray crossed that.
+/// Attenuates the light by the filters over parts of the stop, according to where each ray crosses
+/// the stop.
 template <class Real>
 void RadianceIntegrator<Real>::filter(const TracedRays<Real>& rays) {
   const PupilFilters& filters = plan_.scene->camera.pupil_filters();
@@ -113,7 +114,7 @@ void RadianceIntegrator<Real>::filter(const TracedRays<Real>& rays) {
                       rays.padded);
 }
 
-/// Adds the light that the medium scatters into the rays, one walk for each.
+/// Adds the light that the medium scatters into the rays, with one walk for each ray.
 template <class Real>
 void RadianceIntegrator<Real>::add_scattered(const TracedRays<Real>& rays) {
   std::vector<ScatterWalk::Start> starts;
@@ -129,7 +130,7 @@ void RadianceIntegrator<Real>::add_scattered(const TracedRays<Real>& rays) {
       const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
       const Vec3 along{static_cast<double>(rays.block.dx[i]), static_cast<double>(rays.block.dy[i]),
                        static_cast<double>(rays.block.dz[i])};
-      // Nearly all of a thin medium's, few where most rays are scattered anyway.
+      // The share is almost 1 in a thin medium, and small if most rays are scattered anyway.
       double even = 0;
       const std::size_t nodes = transmittance_stride_ ? scattered.size() : 1;
       for (std::size_t c = 0; c < nodes; ++c) {
@@ -157,8 +158,9 @@ void RadianceIntegrator<Real>::add_scattered(const TracedRays<Real>& rays) {
           static_cast<Real>(scattered[c][i]);
 }
 
-/// The first few of each replicate's points in a pixel, well spread by themselves, correct the
-/// table. @return false when there is none, or too few points for it
+/// Corrects the table with the first points of each replicate in a pixel, which are well spread by
+/// themselves.
+/// @return false without a table, or with too few points for it
 template <class Real>
 bool RadianceIntegrator<Real>::integrate_by_table([[maybe_unused]] const TracedRays<Real>& rays) {
   if constexpr (std::is_same_v<Real, float>) {
@@ -175,7 +177,7 @@ bool RadianceIntegrator<Real>::integrate_by_table([[maybe_unused]] const TracedR
           if ((pixel.offset + i) % points < corrected) factors[pixel.first + i] = factor;
       }
     };
-    set(transmittance_, kSmoothPoints);  // nobody else asks for it here
+    set(transmittance_, kSmoothPoints);  // nothing else needs this array here
     set(fair_factor_, kFairPoints);
     table_worker_->integrate(
         {&rays.block, rays.padded, transmittance_, fair_factor_, radiance_, kPaddedBlock},

@@ -11,25 +11,26 @@
 
 namespace plenoflame {
 
-/// Finds the radiance that arrives along the rays of a block: of the flames, of surfaces and
-/// surroundings behind them, and what is scattered into the rays. One per worker thread.
+/// Finds the radiance that arrives along the rays of a block. Its sources are the flames, surfaces
+/// and surroundings behind them, and light that is scattered into the rays. One object per worker
+/// thread.
 template <class Real>
 class RadianceIntegrator {
  public:
-  /// @param plan kept, must live as long
+  /// @param plan kept by reference
   explicit RadianceIntegrator(const BackwardPlan<Real>& plan);
 
   void integrate(const TracedRays<Real>& rays);
-  /// [W/(m^2 sr)] of the block integrated last, channel c of ray i at [c * kPaddedBlock + i].
+  /// [W/(m^2 sr)] of the last integrated block, channel c of ray i at [c * kPaddedBlock + i].
   const Real* radiance() const { return radiance_; }
-  /// The flames' transmittance in the first channel, by ray; none where a table stands in for them.
+  /// The flames' transmittance in the first channel, by ray; undefined if a table replaces them.
   const Real* transmittance() const { return transmittance_; }
-  /// The distance at which each ray ends at a solid surface, in the block's own measure [m];
-  /// nullptr without any. Not of rays through windows.
+  /// The distance at which each ray ends at a solid surface, in the precision of the block [m];
+  /// nullptr without surfaces. Not for rays through windows.
   const Real* ends() const { return surfaces_ ? surfaces_->t_far() : nullptr; }
   /// The integrator of scenes with windows, else nullptr.
   const WindowIntegrator<Real>* windows() const { return windows_.get(); }
-  /// Medium, table and the seconds of medium and surfaces.
+  /// Counts of medium and table, and the seconds of medium and surfaces.
   const WorkCounters& counters() const { return counters_; }
 
  private:
@@ -43,11 +44,11 @@ class RadianceIntegrator {
   AlignedColumns<Real> columns_;
   Real* radiance_ = nullptr;
   Real* transmittance_ = nullptr;
-  int transmittance_stride_ = 0;  ///< of the nodes; 0: one for all
+  int transmittance_stride_ = 0;  ///< between nodes; 0: one value for all nodes
   Real* fair_factor_ = nullptr;
   std::unique_ptr<ScatterWalk> scatter_;             ///< nullptr: nothing scatters
-  std::unique_ptr<SurfaceBlock<Real>> surfaces_;     ///< nullptr as in the plan
-  std::unique_ptr<WindowIntegrator<Real>> windows_;  ///< nullptr: there are none
+  std::unique_ptr<SurfaceBlock<Real>> surfaces_;     ///< nullptr if the plan has none
+  std::unique_ptr<WindowIntegrator<Real>> windows_;  ///< nullptr: no windows
   std::unique_ptr<RadianceTable::Worker> table_worker_;
   WorkCounters counters_;
   std::vector<int> pupil_parts_;  ///< of the rays of a block

@@ -13,14 +13,13 @@ constexpr int kBlockCells = 8;
 constexpr int kBlockNodes = (kBlockCells + 1) * (kBlockCells + 1);
 constexpr double kStepsPerFeature = 1;   ///< table nodes per voxel
 constexpr int kMostPupilNodes = 9;       ///< in each direction
-constexpr double kMostFloats = 1 << 27;  ///< 512 MB if all of it were filled
-/// A linear table of a function that begins like a square root misses rise^2 / 8 of it: 1 % and 6
-/// %.
+constexpr double kMostFloats = 1 << 27;  ///< 512 MB if all blocks were filled
+/// A linear table misses rise^2 / 8 of a function that begins like a square root: 1 % and 6 %.
 constexpr float kSmooth = 0.25F, kFair = 0.7F;
-constexpr double kPupilMargin = 1.05;  ///< aberrations of the pupil
+constexpr double kPupilMargin = 1.05;  ///< for aberrations of the pupil
 constexpr int kStride = kBlockRays + 2 * kBlockSlack;
 
-/// The box's corners in the camera frame, as the box around them.
+/// The bounding box, in the camera frame, of a box in the world.
 Box camera_box(const Camera& camera, const Box& world) {
   const RigidTransform to_camera = camera.to_world().inverse();
   Box box{{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
@@ -59,12 +58,12 @@ std::unique_ptr<RadianceTable> RadianceTable::make(const Camera& camera, const M
   if (!(pupil_radius > 0) || !std::isfinite(pupil_radius) || !std::isfinite(to_pupil) ||
       !(-to_pupil > 1.5 * half_depth))
     return nullptr;
-  // Between two nodes of the pupil the medium's near and far side move by one feature at most.
+  // Between two nodes of the pupil, the medium's near and far side shift by at most one feature.
   const double feature = medium.feature_size();
   const double pupil_step = feature * -to_pupil / half_depth;
   const double cells_u = std::max(2.0, std::ceil(2 * pupil_radius / pupil_step));
   if (!(cells_u < kMostPupilNodes)) return nullptr;
-  // Lines through the box meet the middle plane within this.
+  // Lines through the box cross the middle plane within this distance.
   const double reach = half_depth / (-to_pupil - half_depth);
   const auto margin = [&](double extent) {
     return reach * (pupil_radius + std::fabs(extent)) + feature;
@@ -218,10 +217,10 @@ void RadianceTable::Worker::integrate(const Request& request, MediumCounters& me
 void RadianceTable::Worker::choose(const Request& request) {
   chosen_.clear();
   for (int i = 0; i < request.count; ++i) {
-    if (request.rays->code[i] != 0) continue;  // weighs nothing
+    if (request.rays->code[i] != 0) continue;  // weight 0
     const int quality = quality_[i];
     if (quality == 0) {
-      if (places_.block[i] >= 0) counters_.rough += 1;  // others pass the flame by
+      if (places_.block[i] >= 0) counters_.rough += 1;  // other rays miss the flame
       chosen_.push_back(i);
     } else if ((quality == 2 ? request.smooth_factor : request.fair_factor)[i] > 0) {
       counters_.corrected += 1;

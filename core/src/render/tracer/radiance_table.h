@@ -12,16 +12,18 @@
 
 namespace plenoflame {
 
-/// Radiance of the medium on the lines through its middle and the camera's entrance pupil, linearly
-/// interpolated: a control variate. Many rays settle what is visible of a pixel and few the
-/// radiance: all rays look the table up, some are integrated too, and their difference corrects the
-/// mean, so that the table decides about scatter only (docs/theory/errors.md).
+/// A control variate: radiance of the medium on lines through its middle and the camera's entrance
+/// pupil, linearly interpolated. The visible part of a pixel needs many rays, and the radiance
+/// needs few. All rays therefore use the table, and some are integrated too. Their difference
+/// corrects the mean, so that the table affects only the scatter (docs/theory/errors.md).
 ///
-/// Filled where rays look it up, block by block, with values that depend on scene and camera only.
+/// The table is filled block by block when rays need it. Its values depend only on scene and
+/// camera.
 class RadianceTable {
  public:
-  /// @param anchor world; rays are relative to it   @return nullptr where a table does not pay: the
-  ///        medium is cheap, or too large or too near for a table of its details
+  /// @param anchor world point to which rays are relative
+  /// @return nullptr if a table does not save time: the medium is cheap, or too large or too near
+  /// for a table with its details
   static std::unique_ptr<RadianceTable> make(const Camera& camera, const Medium& medium,
                                              Vec3 anchor, const MediumOptions& options);
 
@@ -32,11 +34,11 @@ class RadianceTable {
   struct Request {
     const KernelBlock<float>* rays;
     int count;  ///< multiple of kRayPadding
-    /// Per ray, where the table is smooth and where it is only fair: 0: the table suffices;
-    /// otherwise the ray is integrated and counts as table + factor * (integral - table).
+    /// Factor per ray, for smooth and for fair places of the table. With 0 the table suffices.
+    /// Otherwise the ray is integrated and counts as table + factor * (integral - table).
     const float* smooth_factor;
     const float* fair_factor;
-    float* radiance;  ///< channel c at radiance + c * stride; single rays' may be negative
+    float* radiance;  ///< channel c at radiance + c * stride; may be negative for single rays
     int stride;
   };
 
@@ -74,7 +76,7 @@ class RadianceTable {
   Vec3 anchor_;
   MediumOptions options_;
   KernelRadianceTable kernel_;
-  /// Memory that is not touched before it is filled.
+  /// Memory that stays untouched until it is filled.
   std::unique_ptr<float[]> nodes_;
   std::unique_ptr<std::atomic<bool>[]> filled_;
   std::unique_ptr<std::once_flag[]> once_;

@@ -4,14 +4,14 @@
 
 namespace plenoflame {
 
-/// A table of radiance over the lines through two planes across the camera's axis: the anchor's,
-/// with coordinates a, b, and the entrance pupil's, with u, v. Blocks of 8 x 8 cells in a and b
-/// hold 9 x 9 x side x side nodes, u varying fastest.
+/// A table of radiance over the lines through two planes across the camera's axis. The anchor's
+/// plane has coordinates a, b, and the plane of the entrance pupil u, v. Blocks of 8 x 8 cells in a
+/// and b hold 9 x 9 x side x side nodes, u varying fastest.
 struct KernelRadianceTable {
   float rotation[9];             ///< camera to world, row major
   float a0, b0, per_step;        ///< [m, 1/m] first node, relative to the anchor; nodes per metre
   float u0, v0, per_pupil_step;  ///< the same on the plane of the pupil
-  float to_pupil;                ///< [m] along the axis from the anchor's plane
+  float to_pupil;                ///< [m] along the axis from the anchor's plane to the pupil's
   int cells_a, cells_b, cells_u;
   int blocks_a;  ///< blocks in a row
   int blank;     ///< a block of zeros, for rays outside
@@ -21,7 +21,7 @@ struct KernelRadianceTable {
   float smooth, fair;
 };
 
-/// Places of rays in the table; structure of arrays.
+/// Positions of rays in the table; structure of arrays.
 struct KernelTablePlaces {
   int* block;            ///< -1: outside of the table
   int* corner;           ///< lowest corner within its block

@@ -20,7 +20,7 @@ void locate(const KernelRadianceTable& table, int count, const float* __restrict
               side_u = static_cast<float>(c.cells_u);
 #pragma omp simd
   for (int i = 0; i < count; ++i) {
-    // Into camera axes; the ray's point need not lie on the anchor's plane.
+    // To camera axes; the ray's point may lie outside of the anchor's plane.
     const float px = c.rotation[0] * x[i] + c.rotation[3] * y[i] + c.rotation[6] * z[i];
     const float py = c.rotation[1] * x[i] + c.rotation[4] * y[i] + c.rotation[7] * z[i];
     const float pz = c.rotation[2] * x[i] + c.rotation[5] * y[i] + c.rotation[8] * z[i];
@@ -32,7 +32,7 @@ void locate(const KernelRadianceTable& table, int count, const float* __restrict
     const float a = (ax - c.a0) * c.per_step, b = (ay - c.b0) * c.per_step;
     const float u = (ax + c.to_pupil * sx - c.u0) * c.per_pupil_step;
     const float v = (ay + c.to_pupil * sy - c.v0) * c.per_pupil_step;
-    // NaN lies outside, too.
+    // NaN counts as outside, too.
     const bool inside = (a >= 0.f) & (a < side_a) & (b >= 0.f) & (b < side_b) & (u >= 0.f) &
                         (u < side_u) & (v >= 0.f) & (v < side_u) & (code[i] == 0);
     const float ca = inside ? a : 0.f, cb = inside ? b : 0.f, cu = inside ? u : 0.f,

@@ -8,7 +8,7 @@
 namespace plenoflame {
 namespace {
 
-/// As for rays without windows, but apart for each stretch.
+/// The same as for rays without windows, separately for each stretch.
 
 MediumOptions options_of(const RenderSettings& settings) {
   MediumOptions options;
@@ -86,7 +86,7 @@ void WindowIntegrator<Real>::integrate(const TracedRays<Real>& rays, Real* radia
   }
 }
 
-/// Adds the light that the medium scatters into each stretch, one walk for each.
+/// Adds the light that the medium scatters into each stretch, with one walk for each stretch.
 template <class Real>
 void WindowIntegrator<Real>::add_scattered(const TracedRays<Real>& rays, MediumCounters& counters) {
   scattered_.assign(nodes_, std::vector<double>(ways_.segments.size()));

@@ -13,31 +13,32 @@ namespace plenoflame {
 template <class Real>
 Ray ray_from_front(const KernelBlock<Real>& block, int i, Vec3 anchor, const CameraFront& front);
 
-/// Traces a block's rays through the scene's windows. Rays that ended in the camera have no way.
+/// Traces a block's rays through the scene's windows. Rays that ended in the camera have no path.
 template <class Real>
 void trace_ways(const TracedRays<Real>& rays, const WindowSet& windows, Vec3 anchor,
                 const CameraFront& front, WindowPath& scratch, WindowWays& ways);
 
-/// Finds the radiance that arrives along the rays of a block whose way leads through windows: each
-/// is a few straight stretches in air, and along each the medium is integrated, surfaces are met,
-/// and scattered light is followed. Radiance in air behind a window is that in front of it, times
-/// what the window passes. One per worker.
+/// Finds the radiance that arrives along rays through windows. The path of a ray is a few straight
+/// stretches in air. Along each stretch the medium is integrated, surfaces are intersected, and
+/// scattered light is followed. The radiance in air behind a window is the radiance in front of it,
+/// times the window's transmittance. One object per worker.
 template <class Real>
 class WindowIntegrator {
  public:
-  /// @param plan and surfaces (nullptr: none) and scatter (nullptr: nothing scatters) are kept
+  /// @param plan and surfaces (nullptr: none) and scatter (nullptr: nothing scatters) are kept by
+  /// reference
   WindowIntegrator(const BackwardPlan<Real>& plan, SurfaceBlock<Real>* surfaces,
                    ScatterWalk* scatter);
 
-  /// @param radiance of what stands for the channels, at [node * stride + ray]
-  /// @param transmittance by ray, of the flames in the first channel
+  /// @param radiance of the nodes, at [node * stride + ray]
+  /// @param transmittance of the flames in the first channel, by ray
   void integrate(const TracedRays<Real>& rays, Real* radiance, int stride, Real* transmittance,
                  MediumCounters& counters);
 
-  /// The ways of the block integrated last.
+  /// The paths of the last integrated block.
   const WindowWays& ways() const { return ways_; }
-  /// [W/(m^2 sr)] that a stretch adds to its ray at the camera, of node n at [n * stretches + s];
-  /// the last one of a ray has the light from its end, too.
+  /// [W/(m^2 sr)] that a stretch adds to its ray at the camera, of node n at [n * stretches + s].
+  /// The last stretch of a ray includes the light from its end.
   const std::vector<Real>& shares() const { return shares_; }
   /// The flames' transmittance along a stretch, in the first channel.
   double transmittance(std::size_t stretch) const { return segments_.transmittance(stretch); }
@@ -56,7 +57,7 @@ class WindowIntegrator {
   WindowWays ways_;
   std::vector<Real> shares_;
   std::vector<std::vector<double>> scattered_;  ///< by node and stretch
-  std::vector<double> passed_;                  ///< by node, of the way so far
+  std::vector<double> passed_;                  ///< by node, along the path so far
   double seconds_surfaces_ = 0;
 };
 

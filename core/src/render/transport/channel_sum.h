@@ -9,12 +9,13 @@
 
 namespace plenoflame {
 
-/// Rows of node values, node n at rows + n * stride, become rows of channels in the same place.
+/// Sums node values to channels in place. Node n is at rows + n * stride, and rows of channels
+/// replace the rows of nodes.
 /// @param mix empty: nothing is done
 template <class Real>
 void sum_channels(const ChannelMix& mix, Real* rows, int stride, int count) {
   if (mix.empty()) return;
-  constexpr int kColumns = 64;  // of all rows at a time: channels are written over nodes
+  constexpr int kColumns = 64;  // of all rows at a time: channels overwrite nodes
   std::vector<Real> sums(static_cast<std::size_t>(mix.channels()) * kColumns);
   for (int begin = 0; begin < count; begin += kColumns) {
     const int columns = std::min(kColumns, count - begin);
@@ -34,7 +35,7 @@ void sum_channels(const ChannelMix& mix, Real* rows, int stride, int count) {
   }
 }
 
-/// The same where each column has a mix of its own. @param mixes all of as many channels and nodes
+/// The same for columns with different mixes. @param mixes with equal numbers of channels and nodes
 /// @param mix_of number of each column's mix
 template <class Real>
 void sum_channels_by_mix(const std::vector<ChannelMix>& mixes, const int* mix_of, Real* rows,
@@ -58,8 +59,8 @@ void sum_channels_by_mix(const std::vector<ChannelMix>& mixes, const int* mix_of
   }
 }
 
-/// A medium whose channels are sums of another one's. Of whole lines: transmittance is that of the
-/// other's first channel.
+/// A medium whose channels are sums of the channels of another medium. Its transmittance along
+/// whole lines is that of the other medium's first channel.
 class ChannelSum : public Medium {
  public:
   ChannelSum(const Medium& medium, ChannelMix mix) : medium_(medium), mix_(std::move(mix)) {}

@@ -12,9 +12,9 @@ namespace plenoflame {
 namespace {
 
 constexpr int kPointsPerCell = 8;         ///< one in each eighth
-constexpr int kScoutPoints = 4096;        ///< to weigh the channels against each other
-constexpr double kNeighbourShare = 0.25;  ///< of the brightest neighbour's weight, at least
-constexpr double kFloorShare = 0.02;      ///< of the mean weight, at least
+constexpr int kScoutPoints = 4096;        ///< for the relative scale of the channels
+constexpr double kNeighbourShare = 0.25;  ///< smallest share of the brightest neighbour's weight
+constexpr double kFloorShare = 0.02;      ///< smallest share of the mean weight
 
 Vec3 place_in(const Box& box, double u, double v, double w) {
   return {box.lower.x + u * (box.upper.x - box.lower.x),
@@ -62,7 +62,7 @@ std::size_t EmissionProposal::cell_count() const {
 std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::uint64_t seed,
                                                     const Execution& execution) const {
   const auto channels = static_cast<std::size_t>(medium.channel_count());
-  // Channels may differ by orders of magnitude; each counts in units of its own mean.
+  // Channels may differ by orders of magnitude, so each is divided by its own mean.
   std::vector<double> emission(channels), scale(channels);
   for (std::uint64_t i = 0; i < kScoutPoints; ++i) {
     const auto word = philox(seed, i, 0);
@@ -71,7 +71,7 @@ std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::u
         emission.data());
     for (std::size_t c = 0; c < channels; ++c) scale[c] += emission[c] / kScoutPoints;
   }
-  // A channel that the scouts did not see counts as it is.
+  // A channel whose mean is 0 is not scaled.
   for (double& s : scale) s = s > 0 ? 1 / s : 1;
   std::vector<double> weights(cell_count());
   const auto slab = static_cast<std::size_t>(ny_) * static_cast<std::size_t>(nx_);
@@ -107,7 +107,7 @@ std::vector<double> EmissionProposal::cell_emission(const Medium& medium, std::u
 void EmissionProposal::set_weights(std::vector<double> weights) {
   const double mean =
       std::accumulate(weights.begin(), weights.end(), 0.0) / static_cast<double>(weights.size());
-  // Too small a thing for every point of the grid could still emit, but nobody can find it.
+  // Emission too small for every point of the grid may exist, but it cannot be found.
   if (!(mean > 0)) return;
   std::vector<double> around = weights;
   spread(around, static_cast<std::size_t>(nx_), 1);

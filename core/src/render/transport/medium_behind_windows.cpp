@@ -37,7 +37,7 @@ RigidTransform place_of(const WindowSpec& window) {
   return {rotation_xyz(window.rotation), window.position};
 }
 
-/// Tells whether a box lies in the air within a tube.
+/// Tells whether a box is in the air inside of a tube.
 bool holds(const WindowSpec& window, const Box& box) {
   if (window.shape != WindowShape::tube) return false;
   const RigidTransform to_own = place_of(window).inverse();
@@ -49,7 +49,7 @@ bool holds(const WindowSpec& window, const Box& box) {
   return true;
 }
 
-/// A window's stretch along the camera's axis [m].
+/// The extent of a window along the camera's axis [m].
 struct Extent {
   double near = kInfinity, far = -kInfinity;
   void add(double z) {
@@ -151,7 +151,7 @@ std::unique_ptr<const MediumBehindWindows> MediumBehindWindows::make(const Compi
     if (!is_last && !(walls[i].extent.far < walls[i + 1].extent.near)) return nullptr;
     in_order.push_back(walls[i].window);
   }
-  // Something before the camera's front would be met by rays that go back.
+  // A wall in front of the camera's front would be met by rays that travel backwards.
   if (!walls.empty() && !(walls.front().extent.near > 0)) return nullptr;
   return std::unique_ptr<const MediumBehindWindows>(
       new MediumBehindWindows(scene, lit, std::move(in_order)));
@@ -171,7 +171,7 @@ void MediumBehindWindows::run(const RayBatch<Real>& rays, const MediumOptions& o
                               RadianceBatch<Real> out, MediumCounters& counters) const {
   const auto count = static_cast<std::size_t>(rays.size);
   constexpr std::size_t kArrays = 7, kAlignment = 64 / sizeof(Real);
-  // Rays are written before they are read: nothing is cleared.
+  // Rays are written before they are read, so the memory is not cleared.
   const std::unique_ptr<Real[]> storage(new Real[kArrays * count + kAlignment]);
   const std::unique_ptr<int[]> odd(new int[count]);
   void* aligned = storage.get();
@@ -204,7 +204,7 @@ void MediumBehindWindows::run(const RayBatch<Real>& rays, const MediumOptions& o
   }
 }
 
-/// Rays that go another way: theirs is the line of the stretch that meets the medium.
+/// Rays on other paths: their line is the stretch that meets the medium.
 template <class Real>
 void MediumBehindWindows::bend_one_by_one(const RayBatch<Real>& from,
                                           const KernelWays<Real>& ways) const {

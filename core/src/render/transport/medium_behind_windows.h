@@ -11,16 +11,16 @@
 
 namespace plenoflame {
 
-/// A scene's medium as the camera sees it through windows: what it integrates are the camera's own
-/// lines, which it bends on their way. To everything else these are lines through air.
+/// A scene's medium as the camera sees it through windows. It integrates the camera's own lines and
+/// bends them on their way. For all other code these are lines through air.
 ///
-/// Possible where each ray meets the medium on one stretch of its way, behind the same walls: those
-/// of plates and wedges in front of it, and that of a tube around it. Rays that go other ways (by
-/// rims, beside a plate, along a wall) are traced one by one.
+/// This is possible if each ray meets the medium on one stretch of its path, behind the same walls.
+/// These are plates and wedges in front of the medium, and a tube around it. Rays on other paths
+/// (at rims, beside a plate, along a wall) are traced one by one.
 class MediumBehindWindows : public Medium {
  public:
-  /// @return nullptr where windows stand otherwise, or the scene has more than a medium; keeps
-  /// pointers to the scene's
+  /// @return nullptr if windows stand otherwise, or if the scene has more than a medium; keeps
+  /// pointers to the scene's data
   static std::unique_ptr<const MediumBehindWindows> make(const CompiledScene& scene);
 
   int channel_count() const override { return medium_.channel_count(); }
@@ -57,9 +57,9 @@ class MediumBehindWindows : public Medium {
   const Medium& medium_;
   const WindowSet& windows_;
   CameraFront front_;
-  Vec3 axis_;                      ///< of the camera, towards the scene; world
-  Box lit_;                        ///< holds all of the medium
-  std::vector<WindowSpec> walls_;  ///< before the medium, from the camera on
+  Vec3 axis_;                      ///< axis of the camera towards the scene, in the world
+  Box lit_;                        ///< contains the whole medium
+  std::vector<WindowSpec> walls_;  ///< in front of the medium, from the camera on
 };
 
 }  // namespace plenoflame

@@ -18,7 +18,7 @@ BasicMediumSegments<Real>::BasicMediumSegments(const Medium* medium, const Mediu
   passes_ = medium->is_grey() ? 1 : channels_;
 }
 
-/// Tells whether a stretch touches the medium's bounds.
+/// Tells whether a stretch meets the medium's bounds.
 template <class Real>
 bool BasicMediumSegments<Real>::meets(const Ray& ray, double t_far) const {
   return !clip_to_box(bounds_, ray, 0, t_far).empty();
@@ -56,7 +56,7 @@ void BasicMediumSegments<Real>::integrate_batch(std::size_t first, std::size_t c
   for (std::size_t i = 0; i < padded; ++i) {
     const std::size_t segment = inside_[first + std::min(i, count - 1)];
     const Vec3 d = rays_[segment].direction;
-    // The point of the line nearest to the anchor: kernels count from there.
+    // The point of the line nearest to the anchor, from which kernels count.
     const Vec3 o = rays_[segment].origin - batch.anchor;
     const double shift = -dot(o, d);
     const Vec3 p = o + shift * d;

@@ -6,11 +6,12 @@
 
 namespace plenoflame {
 
-/// Integrates a medium along any number of stretches of lines, in a precision; one per worker.
+/// Integrates a medium along any number of stretches of lines, in one precision; one object per
+/// worker.
 template <class Real>
 class BasicMediumSegments {
  public:
-  /// @param medium nullptr: every stretch is clear
+  /// @param medium nullptr: every stretch is transparent
   BasicMediumSegments(const Medium* medium, const MediumOptions& options);
 
   void clear() { rays_.clear(), far_.clear(); }
@@ -20,15 +21,15 @@ class BasicMediumSegments {
     far_.push_back(t_far);
     return rays_.size() - 1;
   }
-  /// Integrates what was added. @param with_radiance otherwise only the transmittance is kept
+  /// Integrates the added stretches. @param with_radiance false: only the transmittance is computed
   void integrate(bool with_radiance, MediumCounters& counters);
 
-  /// Transmittance in the first channel, or in all of them when the medium is grey.
+  /// Transmittance in the first channel, or in all channels if the medium is grey.
   double transmittance(std::size_t segment) const { return transmittance_[segment * passes_]; }
   double transmittance(std::size_t segment, std::size_t channel) const {
     return transmittance_[segment * passes_ + (passes_ > 1 ? channel : 0)];
   }
-  /// Tells whether it is the same in all channels.
+  /// Tells whether the transmittance is equal in all channels.
   bool is_grey() const { return passes_ == 1; }
   /// [W/(m^2 sr)] that arrives at t = 0.
   double radiance(std::size_t segment, int channel) const {
@@ -43,11 +44,11 @@ class BasicMediumSegments {
   const Medium* medium_;
   MediumOptions options_;
   Box bounds_;
-  std::size_t channels_ = 0, passes_ = 1;  ///< passes_: different transmittances
+  std::size_t channels_ = 0, passes_ = 1;  ///< passes_: number of different transmittances
   std::vector<Ray> rays_;
   std::vector<double> far_, transmittance_, radiance_;
   std::vector<std::size_t> inside_;  ///< segments that meet the medium's bounds
-  std::vector<Real> storage_;        ///< of one batch
+  std::vector<Real> storage_;        ///< arrays of one batch
 };
 
 using MediumSegments = BasicMediumSegments<double>;

@@ -16,13 +16,13 @@ double phase_function(const ScatteringSpec& spec, double cosine) {
 
 double draw_cosine(const ScatteringSpec& spec, double u) {
   if (spec.phase == PhaseFunction::rayleigh) {
-    // c^3 + 3 c = 8 u - 4, by Cardano.
+    // Solves c^3 + 3 c = 8 u - 4 by Cardano's formula.
     const double a = 4 * u - 2, root = std::cbrt(a + std::sqrt(a * a + 1));
     return std::clamp(root - 1 / root, -1.0, 1.0);
   }
   const double g = spec.asymmetry;
   if (std::fabs(g) < 1e-3) {
-    // The first terms in g of the inverse, which would lose its digits.
+    // The first terms in g of the inverse, which would lose its digits for small g.
     const double c = 1 - 2 * u;
     return std::clamp(-c + 1.5 * g * (1 - c * c), -1.0, 1.0);
   }

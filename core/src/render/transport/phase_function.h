@@ -3,9 +3,10 @@
 
 namespace plenoflame {
 
-/// Phase function [1/sr] at a cosine between the directions before and behind.
+/// Phase function [1/sr] at the cosine of the angle between the directions before and after
+/// scattering.
 double phase_function(const ScatteringSpec& spec, double cosine);
-/// A cosine drawn from it by a uniform number.
+/// Draws a cosine from the phase function with a uniform number.
 double draw_cosine(const ScatteringSpec& spec, double u);
 
 }  // namespace plenoflame

@@ -14,8 +14,8 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kRoulette = 0.2;  ///< weight below which a walk may end
-/// The lookups of the emission must not be numbers that walks use.
+constexpr double kRoulette = 0.2;  ///< weight below which Russian roulette may end a walk
+/// The emission is sampled with numbers that no walk uses.
 constexpr std::uint64_t kFlameSeed = 0x73636174666cu;
 constexpr int kFlameCells = 24;  ///< as for the light on surfaces
 
@@ -55,7 +55,7 @@ void ScatterWalk::Walk::weigh(const double* light, const double* drawn) {
   double mean = 0;
   for (std::size_t c = 0; c < weight.size(); ++c) mean += density_share[c] * drawn[c];
   mean /= static_cast<double>(weight.size());
-  if (!(mean > 0)) {  // what was drawn is so unlikely that its numbers are lost
+  if (!(mean > 0)) {  // the densities are too small for a double
     std::fill(weight.begin(), weight.end(), 0.0);
     return;
   }
@@ -75,14 +75,14 @@ ScatterWalk::ScatterWalk(const ScatterPlan& plan)
       coefficients_(nodes_),
       place_(3 * nodes_) {}
 
-/// Draws the node that chooses the places of a walk. Of a grey medium all are alike.
+/// Draws the node of the walk's hero wavelength. In a grey medium all nodes are equal.
 void ScatterWalk::draw_driver(Walk& walk) const {
   if (segments_.is_grey()) return;
   const auto chosen = static_cast<std::size_t>(walk.noise.uniform() * static_cast<double>(nodes_));
   walk.driver = std::min(chosen, nodes_ - 1);
 }
 
-/// Draws the next place of extinction on the line, by the driver's. @return false: none
+/// Draws the next place of extinction on the line, at the hero wavelength. @return false: none
 bool ScatterWalk::collide(Walk& walk, double& t) {
   return plan_.majorants.draw(walk.line, 0, walk.end, walk.driver, walk.noise, t,
                               [&](double at, double majorant) {
@@ -91,15 +91,15 @@ bool ScatterWalk::collide(Walk& walk, double& t) {
                               });
 }
 
-/// Draws the flame that scatters at a place, if any does, in proportion to what each scatters at
-/// the driving node.
+/// Draws the flame that scatters at a place, in proportion to the scattering coefficients at the
+/// hero wavelength. There may be none.
 ScatterWalk::Place ScatterWalk::scatter(Walk& walk, Vec3 place) {
   Place found;
   found.scattering = place_.data();
   found.extinction = found.scattering + nodes_;
   found.choice = found.extinction + nodes_;
   medium_.absorptions(place, found.extinction);
-  std::fill_n(found.choice, nodes_, 0.0);  // what all flames scatter, to begin with
+  std::fill_n(found.choice, nodes_, 0.0);  // first holds the scattering of all flames
   shares_.clear();
   for (const Scatterer& scatterer : scene_.scatterers) {
     const double albedo = scatterer.albedo(place);
@@ -112,7 +112,7 @@ ScatterWalk::Place ScatterWalk::scatter(Walk& walk, Vec3 place) {
   std::size_t chosen = shares_.size();
   for (std::size_t i = 0; i < shares_.size(); ++i) {
     if (!(shares_[i] > 0)) continue;
-    chosen = i;  // rounding may leave u above 0 behind the last
+    chosen = i;  // rounding may leave u above 0 after the last one
     u -= shares_[i];
     if (u <= 0) break;
   }
@@ -126,7 +126,7 @@ ScatterWalk::Place ScatterWalk::scatter(Walk& walk, Vec3 place) {
   return found;
 }
 
-/// @return false when the surface sends nothing back
+/// @return false when the surface reflects nothing
 bool ScatterWalk::reflect(Walk& walk, const SurfaceHit& hit) const {
   if (walk.reflections >= plan_.reflections || !(hit.reflectivity > 0)) return false;
   ++walk.reflections;
@@ -138,12 +138,12 @@ bool ScatterWalk::reflect(Walk& walk, const SurfaceHit& hit) const {
   return true;
 }
 
-/// Tells whether flames light the place of a walk, or what it is seen through.
+/// Tells whether the light of flames counts at a walk's place and on the stretch to it.
 bool ScatterWalk::sees_flame(const Walk& walk) const {
   return walk.reflections == 0 || scene_.scene.render.flame_light;
 }
 
-/// Points the line of a walk to where it goes next.
+/// Sets the line of a walk in its new direction and finds its end.
 void ScatterWalk::aim(Walk& walk, Vec3 direction) {
   walk.line.direction = direction;
   walk.end = kInfinity;
@@ -156,12 +156,12 @@ void ScatterWalk::aim(Walk& walk, Vec3 direction) {
     walk.next.where = {};
 }
 
-/// Moves every walk to its next place, and ends those that have none.
+/// Moves every walk to its next place, and ends walks without one.
 void ScatterWalk::move_on(std::vector<Walk>& walks, MediumCounters& counters) {
-  const bool grey = segments_.is_grey();  // then what is drawn passes as the light does
+  const bool grey = segments_.is_grey();  // then densities and light have equal transmittance
   segments_.clear();
   std::vector<std::size_t> collided;
-  std::vector<double> light, drawn;  // of these walks, per node, without the way
+  std::vector<double> light, drawn;  // of these walks, per node, without the path
   std::size_t kept = 0;
   for (Walk& walk : walks) {
     double t = 0;
@@ -200,7 +200,7 @@ void ScatterWalk::move_on(std::vector<Walk>& walks, MediumCounters& counters) {
   }
 }
 
-/// Adds the samples of single directions, through their segments.
+/// Adds the samples of single directions, attenuated along their segments.
 void ScatterWalk::add_samples(const std::vector<Walk>& walks, Radiance& radiance,
                               MediumCounters& counters) {
   segments_.integrate(false, counters);
@@ -235,7 +235,7 @@ void ScatterWalk::add_delta_lights(std::vector<Walk>& walks, Radiance& radiance,
   add_samples(walks, radiance, counters);
 }
 
-/// Points of emitting surfaces, drawn evenly over their area.
+/// Samples points of emitting surfaces, evenly over their area.
 void ScatterWalk::add_emitters(std::vector<Walk>& walks, Radiance& radiance,
                                MediumCounters& counters) {
   const SurfaceLightPlan& light = *plan_.surface_light;
@@ -262,7 +262,7 @@ void ScatterWalk::add_emitters(std::vector<Walk>& walks, Radiance& radiance,
     const bool front = leaving > 0;
     const double* emission = surfaces.emission(surface, front);
     if (!emission) continue;
-    // The first surface on the ray must be this side of this part: no distance has to be compared.
+    // The first surface on the ray must be this side of this part, so distances need no comparison.
     SurfaceHit hit;
     rays_ += 1;
     if (!surfaces.intersect(ray, 0, kInfinity, walk.from, hit)) continue;
@@ -274,8 +274,9 @@ void ScatterWalk::add_emitters(std::vector<Walk>& walks, Radiance& radiance,
   add_samples(walks, radiance, counters);
 }
 
-/// A point of the flames is drawn by its emission; what counts is the radiance of the whole line
-/// through it, over the density with which any of its points would have been drawn.
+/// Draws a point of the flames in proportion to their emission. The sample is the radiance of the
+/// whole line through the point. It is divided by the density with which any point of the line is
+/// drawn.
 void ScatterWalk::add_flame(std::vector<Walk>& walks, Radiance& radiance,
                             MediumCounters& counters) {
   segments_.clear();
@@ -312,7 +313,7 @@ void ScatterWalk::add_flame(std::vector<Walk>& walks, Radiance& radiance,
   }
 }
 
-/// Draws the direction in which every walk goes on, and adds the light that comes from there.
+/// Draws the next direction of every walk, and adds the light from there.
 void ScatterWalk::go_on(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters) {
   const std::vector<double>& environment = scene_.lights.environment;
   std::vector<double> densities;
@@ -333,7 +334,7 @@ void ScatterWalk::go_on(std::vector<Walk>& walks, Radiance& radiance, MediumCoun
   std::size_t kept = 0;
   for (std::size_t i = 0; i < walks.size(); ++i) {
     Walk& walk = walks[i];
-    // Shares of what other ways find, too.
+    // Balance heuristic for light that other samples find, too.
     double of_flame = 0, of_emitter = 1;
     if (sees_flame(walk)) {
       of_flame = 1;
@@ -371,7 +372,7 @@ void ScatterWalk::go_on(std::vector<Walk>& walks, Radiance& radiance, MediumCoun
   walks.erase(walks.begin() + static_cast<std::ptrdiff_t>(kept), walks.end());
 }
 
-/// At every place: the light that is looked at from there, and the way on.
+/// At every place: samples the light sources and continues the walk.
 void ScatterWalk::visit(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters) {
   if (!scene_.lights.delta.empty()) add_delta_lights(walks, radiance, counters);
   if (plan_.surface_light && !plan_.surface_light->emitting.empty())
@@ -380,7 +381,7 @@ void ScatterWalk::visit(std::vector<Walk>& walks, Radiance& radiance, MediumCoun
   go_on(walks, radiance, counters);
 }
 
-/// The stretch of a line from where it enters the first medium that scatters to where it leaves the
+/// The stretch of a line from its entry into the first medium that scatters to its exit from the
 /// last.
 RaySpan ScatterWalk::scattering_span(const Ray& line, double from, double to) const {
   RaySpan all{kInfinity, -kInfinity};
@@ -393,18 +394,18 @@ RaySpan ScatterWalk::scattering_span(const Ray& line, double from, double to) co
   return all;
 }
 
-/// The first places: by the extinction, as all others, or evenly, for most rays would meet nothing
-/// in a thin medium. Either counts with the density of both ways together.
+/// Draws the first places, by the extinction, like all others, or evenly. In a thin medium most
+/// rays would otherwise meet nothing. The density is that of both ways together.
 void ScatterWalk::begin(const std::vector<Start>& starts, std::vector<Walk>& walks,
                         MediumCounters& counters) {
   struct Evenly {
-    double share, density;  ///< of the rays, [1/m]
+    double share, density;  ///< share of the rays; [1/m]
   };
   std::vector<Evenly> evenly;
-  std::vector<double> places;  // per walk what scatter() found
+  std::vector<double> places;  // the results of scatter() for each walk
   segments_.clear();
   for (const Start& start : starts) {
-    // Camera rays are whole lines.
+    // Camera rays are infinite lines.
     const RaySpan span = clip_to_box(bounds_, start.line, -kInfinity, start.far);
     const RaySpan inside = scattering_span(start.line, span.near, span.far);
     if (span.empty() || inside.empty()) continue;
@@ -441,7 +442,7 @@ void ScatterWalk::begin(const std::vector<Start>& starts, std::vector<Walk>& wal
   }
 }
 
-/// From place to place until all have ended.
+/// Follows walks from place to place until all have ended.
 void ScatterWalk::follow(std::vector<Walk>& walks, Radiance& radiance, MediumCounters& counters) {
   while (!walks.empty()) {
     visit(walks, radiance, counters);

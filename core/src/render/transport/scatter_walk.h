@@ -13,12 +13,12 @@
 
 namespace plenoflame {
 
-/// Sequences of scattered light are apart from what the rays use.
+/// Seed of the sequences of scattered light, which differ from those of the rays.
 inline constexpr std::uint64_t kScatterSeed = 0x73636174u;
 
-/// Data that all walks of a scene share; immutable.
+/// Shared data of all walks in a scene; immutable.
 struct ScatterPlan {
-  /// @param light on the scene's surfaces, kept; nullptr: there are none
+  /// @param light on the scene's surfaces, kept by reference; nullptr: no surfaces
   /// @throws InputError when the medium does not know its largest absorption
   ScatterPlan(const CompiledScene& compiled, const RenderSettings& settings,
               const Execution& execution, const SurfaceLightPlan* light = nullptr);
@@ -26,94 +26,102 @@ struct ScatterPlan {
   const CompiledScene* scene;
   const SurfaceLightPlan* surface_light;
   MediumOptions options;
-  MajorantGrid majorants;  ///< of the extinction
-  int reflections;         ///< on surfaces, at most
-  /// Draws the flames' light; nullptr: they are dark.
+  MajorantGrid majorants;  ///< majorants of the extinction
+  int reflections;         ///< largest number of reflections on surfaces
+  /// Draws points of the flames for their light; nullptr: the flames are dark.
   const EmissionProposal* flame = nullptr;
   std::unique_ptr<const EmissionProposal> own_flame;
 
   const SurfaceScene* surfaces() const { return scene->surfaces.get(); }
 };
 
-/// nullptr for a scene that does not scatter. @param light kept; may be nullptr
+/// Returns nullptr for a scene that does not scatter. @param light kept by reference; may be
+/// nullptr
 std::unique_ptr<const ScatterPlan> make_scatter_plan(const CompiledScene& scene,
                                                      const RenderSettings& settings,
                                                      const Execution& execution,
                                                      const SurfaceLightPlan* light);
 
-/// Light that media scatter into rays and surfaces reflect through them: random walks backwards
-/// along the light. Places of scattering are drawn by delta tracking (Woodcock et al., ANL-7050,
-/// 1965), directions by the phase function or the cosine. From each place point and parallel
-/// lights, points of emitting surfaces and of the flames are looked at; the direction in which the
-/// walk goes on finds emitters and flames, too, and both ways share their light by the balance
-/// heuristic (Veach and Guibas, SIGGRAPH 95). All emission along a line counts, integrated by the
-/// medium without random numbers. Unbiased; walks end by Russian roulette, or at the last
-/// reflection on a surface that the scene allows.
-/// If extinction depends on the wavelength, each walk is driven by one node, drawn evenly, and
-/// counts at all of them with the mean of the densities that all nodes would have drawn it with
-/// (Wilkie et al., Hero Wavelength Spectral Sampling, EGSR 2014): weights stay below the number of
-/// nodes however different these are. One per worker.
+/// Light that media scatter into rays and that surfaces reflect through them. Random walks run
+/// backwards along the light. Delta tracking draws places of scattering (Woodcock et al., ANL-7050,
+/// 1965). The phase function or the cosine gives directions.
+///
+/// Each place samples point and parallel lights, points of emitting surfaces and points of the
+/// flames. The next direction of the walk finds emitters and flames, too. Both samples share their
+/// light by the balance heuristic (Veach and Guibas, SIGGRAPH 95). All emission along a line
+/// counts; the medium integrates it without random numbers. The estimate is unbiased. Walks end by
+/// Russian roulette, or at the last reflection on a surface that the scene allows.
+///
+/// If extinction depends on the wavelength, each walk has a hero wavelength at an evenly drawn
+/// node. It counts at all nodes. Its density is the mean of the densities with which all nodes
+/// would have drawn it (Wilkie et al., Hero Wavelength Spectral Sampling, EGSR 2014). Weights
+/// therefore stay below the number of nodes for any differences between them. One object per
+/// worker.
 class ScatterWalk {
  public:
   explicit ScatterWalk(const ScatterPlan& plan);
 
-  /// A ray, followed from where it enters the medium.
+  /// A ray, followed from its entry into the medium.
   struct Start {
     int ray = 0;  ///< number in `radiance`
     Ray line;     ///< world, away from the camera
     std::uint64_t key = 0;
-    double far = kInfinity;  ///< [m] where it ends, at a surface: what that sends is not added
-    /// Share of the rays whose first place is drawn evenly over the media that scatter: much
-    /// where these are thin. 0: all places are drawn by the extinction.
+    double far = kInfinity;  ///< [m] its end, at a surface whose light is not added
+    /// Share of the rays whose first place is drawn evenly over the media that scatter. It is large
+    /// in thin media. 0: the extinction draws all places.
     double even = 0;
   };
-  /// Adds to radiance[node][ray] what is scattered into the rays before they leave the medium.
+  /// Adds to radiance[node][ray] the light that is scattered into the rays inside of the medium.
   void add(const std::vector<Start>& starts, std::vector<std::vector<double>>& radiance,
            MediumCounters& counters);
-  /// Adds what surfaces send back where the camera's rays end: in place of SurfaceLight::add.
+  /// Adds the light that surfaces send back at the ends of the camera's rays; replaces
+  /// SurfaceLight::add.
   void add_surfaces(const std::vector<SurfacePath>& paths,
                     const std::vector<SurfaceLight::First>& first,
                     std::vector<std::vector<double>>& radiance, MediumCounters& counters);
 
-  double rays() const { return rays_; }  ///< met with surfaces so far
+  double rays() const { return rays_; }  ///< intersected with surfaces so far
 
  private:
   using Radiance = std::vector<std::vector<double>>;
-  /// At a place where light is scattered or reflected, or on its way to the next one.
+  /// A walk at a place of scattering or reflection, or on its way to the next one.
   struct Walk {
     Walk(int number, const Ray& along, std::uint64_t key, std::size_t nodes)
         : ray(number), line(along), noise(key, 0), weight(nodes, 1.0), density_share(nodes, 1.0) {}
     int ray;
-    Ray line;  ///< from the place on; at the place, the direction in which it was reached
+    Ray line;  ///< from the place on; at the place, with its old direction
     NoiseStream noise;
-    std::size_t driver = 0;             ///< node whose extinction its places are drawn by
+    std::size_t driver = 0;             ///< node of the hero wavelength
     std::vector<double> weight;         ///< per node
-    std::vector<double> density_share;  ///< per node: had it been the driver, over their mean
+    std::vector<double> density_share;  ///< per node: density with it as hero, over their mean
     const Scatterer* scatterer = nullptr;
-    SurfacePart from;  ///< the place is on a surface when there is no scatterer
+    SurfacePart from;  ///< surface of the place, if there is no scatterer
     Vec3 normal;
     int reflections = 0;                         ///< so far
-    const SurfaceLight::First* first = nullptr;  ///< numbers for the place
-    double end = 0;                              ///< [m] of the line
-    SurfaceHit next;                             ///< there; none: next.where.surface < 0
+    const SurfaceLight::First* first = nullptr;  ///< random numbers for the place
+    double end = 0;                              ///< [m] length of the line
+    SurfaceHit next;                             ///< hit at the end; none: next.where.surface < 0
     std::vector<double> passed = {};             ///< transmittance of the whole line, unless grey
 
-    /// Density [1/sr] with which a direction is drawn, and the share that it has in the light.
+    /// Density [1/sr] with which a direction is drawn. It is also the direction's share of the
+    /// light.
     double density(Vec3 way) const;
-    /// Goes on in a way that a node as the driver would have drawn with a density `drawn` per node.
-    /// @param light what of the light is kept, per node
+    /// Continues in a way that the hero wavelength of node c would have drawn with the density
+    /// `drawn[c]`.
+    /// @param light share of the light that is kept, per node
     void weigh(const double* light, const double* drawn);
   };
-  /// The fate of light at a place, per node.
+  /// The coefficients at a place, per node.
   struct Place {
     const Scatterer* scatterer = nullptr;  ///< nullptr: the walk ends
-    double *scattering, *extinction;       ///< [1/m] of the scatterer; of everything
-    double* choice;  ///< probability that a walk of this driver goes on with the scatterer
+    double *scattering, *extinction;       ///< [1/m] of the scatterer; of all media
+    /// Probability that a walk with this node as hero wavelength continues with the scatterer.
+    double* choice;
   };
   struct Sample {
     std::size_t walk;
     double weight;
-    const double* strength;  ///< per node; of lights and emitters
+    const double* strength;  ///< per node, of lights and emitters
   };
 
   RaySpan scattering_span(const Ray& line, double from, double to) const;
@@ -140,7 +148,7 @@ class ScatterWalk {
   std::size_t nodes_;
   MediumSegments segments_;
   std::vector<double> coefficients_, shares_;
-  std::vector<double> place_;  ///< what scatter() found
+  std::vector<double> place_;  ///< the results of scatter()
   std::vector<Sample> samples_;
   double rays_ = 0;
 };

@@ -6,8 +6,8 @@
 
 namespace plenoflame {
 
-/// The scene's medium; without flames an empty one, around the surfaces or else around the point
-/// that the camera is focused on.
+/// The scene's medium. Without flames it is an empty medium, around the surfaces or else around the
+/// point on which the camera is focused.
 class SceneMedium {
  public:
   explicit SceneMedium(const CompiledScene& scene);

@@ -11,10 +11,10 @@
 namespace plenoflame {
 namespace {
 
-/// The lookups of the emission must not be numbers that paths use.
+/// The emission is sampled with numbers that no path uses.
 constexpr std::uint64_t kSurfaceFlameSeed = 0x666c616d65u;
 
-/// Light needs no fine grid: nearby lines have nearly the same radiance.
+/// Light needs no fine grid, since nearby lines have nearly equal radiance.
 constexpr int kSurfaceFlameCells = 24;
 
 }  // namespace
@@ -53,7 +53,7 @@ void SurfaceLightPlan::add_emitters() {
     if (!emission) continue;
     emitters = true;
     if (!std::isfinite(surfaces.area(i))) continue;
-    // In proportion to what it sends out; every channel counts alike.
+    // In proportion to the emitted power; every channel has the same weight.
     double power = 0;
     for (int c = 0; c < channels; ++c) power += emission[c];
     power *= surfaces.area(i) * (surfaces.emission(i, false) ? 2 : 1);
@@ -100,7 +100,7 @@ void SurfaceLight::add_emission(const std::vector<SurfacePath>& paths,
         plan_.scene->surfaces->emission(path.hit.where.surface, path.hit.front);
     if (!emission) continue;
     double weight = 1;
-    if (path.density > 0)  // the other way of finding it has its part
+    if (path.density > 0)  // shared with samples of emitters
       weight = path.density / (path.density + plan_.emitter_density(path.hit.where.surface,
                                                                     path.hit.t, path.cosine));
     for (std::size_t c = 0; c < radiance.size(); ++c)
@@ -108,7 +108,7 @@ void SurfaceLight::add_emission(const std::vector<SurfacePath>& paths,
   }
 }
 
-/// Points of emitting surfaces, drawn evenly over their area.
+/// Samples points of emitting surfaces, evenly over their area.
 void SurfaceLight::add_emitters(const std::vector<SurfacePath>& paths,
                                 const std::vector<First>& random, int depth,
                                 std::vector<std::vector<double>>& radiance,
@@ -124,7 +124,7 @@ void SurfaceLight::add_emitters(const std::vector<SurfacePath>& paths,
     std::size_t k = 0;
     while (k + 1 < plan_.emitting.size() && choice > plan_.emitting[k].share) ++k;
     const int surface = plan_.emitting[k].surface;
-    const bool taken = plan_.flame != nullptr;  // the numbers of the first reflection
+    const bool taken = plan_.flame != nullptr;  // u[2] and u[3], by the flame's point
     const SurfacePoint point = surfaces.point_on(surface, unit_uniform(word[1]),
                                                  taken ? unit_uniform(word[2]) : random[i].u[2],
                                                  taken ? unit_uniform(word[3]) : random[i].u[3]);
@@ -137,7 +137,7 @@ void SurfaceLight::add_emitters(const std::vector<SurfacePath>& paths,
     if (!(cosine > 0) || leaving == 0) continue;
     const bool front = leaving > 0;
     if (!surfaces.emission(surface, front)) continue;
-    // The first surface on the ray must be this side of this part: no distance has to be compared.
+    // The first surface on the ray must be this side of this part, so distances need no comparison.
     SurfaceHit hit;
     rays_ += 1;
     if (!surfaces.intersect(ray, 0, kInfinity, path.hit.where, hit)) continue;
@@ -198,9 +198,10 @@ void SurfaceLight::add_delta_lights(const std::vector<SurfacePath>& paths,
   }
 }
 
-/// A point of the flame is drawn by its emission; what counts is the radiance of the whole line
-/// through it, over the density with which any point of that line would have been drawn. Unlike the
-/// light of single points it stays bounded where a surface touches the flame.
+/// Draws a point of the flame in proportion to its emission. The sample is the radiance of the
+/// whole line through the point. It is divided by the density with which any point of that line is
+/// drawn. This sample stays bounded where a surface touches the flame, unlike the light of single
+/// points.
 void SurfaceLight::add_flame(const std::vector<SurfacePath>& paths,
                              const std::vector<First>& random, int depth,
                              std::vector<std::vector<double>>& radiance, MediumCounters& counters) {

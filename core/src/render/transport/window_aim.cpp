@@ -11,15 +11,15 @@
 namespace plenoflame {
 namespace {
 
-/// Shares of directions that are drawn towards spheres, each twice as large as the one before; the
-/// last one from all directions. Whatever they are, the estimate stays right.
+/// Shares of directions that are drawn towards spheres, each twice as large as the one before. The
+/// last share is for all directions. The estimate is unbiased for any shares.
 constexpr std::array<double, 5> kShares{0.6, 0.15, 0.1, 0.05, 0.1};
-/// Rays that find out how far windows displace those of the aperture: the smallest sphere is a
-/// little larger than what holds a share of them.
+/// Number of rays that measure the displacement of the aperture's rays by windows. The smallest
+/// sphere is a little larger than the one that holds a share kHeld of them.
 constexpr int kTrials = 4096;
 constexpr double kHeld = 0.9, kMargin = 1.05;
 
-/// Numbers in (0, 1) that fill a cube of dimensions evenly: additive recurrence.
+/// Numbers in (0, 1) that fill a cube evenly, by additive recurrence.
 double recurrence(int i, int dimension) {
   // Powers of the root of x^6 = x + 1, for five dimensions.
   constexpr double kRoot = 1.1347241384015194;
@@ -40,7 +40,7 @@ WindowAim::WindowAim(const Camera& camera, const WindowSet& windows, Vec3 centre
   std::vector<double> distances;
   const double aperture = spread_;
   for (int i = 0; i < kTrials; ++i) {
-    // From the aperture's disc, in the plane where the camera begins, towards the scene.
+    // From the aperture's disc, in the plane of the camera's front, towards the scene.
     const double r = aperture * std::sqrt(recurrence(i, 0));
     const double turn = 2 * constants::pi * recurrence(i, 1);
     const Vec3 start =
@@ -67,7 +67,7 @@ WindowAim::WindowAim(const Camera& camera, const WindowSet& windows, Vec3 centre
 ApertureCone::Direction WindowAim::draw(Vec3 point, double u, double v) const {
   const Vec3 to_centre = cone_.centre() - point;
   const double distance = length(to_centre);
-  // A telecentric pupil, or one that lies around or behind the point, is not aimed at.
+  // Rays are not aimed at a telecentric pupil, nor at a pupil around or behind the point.
   const bool aims = spread_ > 0 && to_centre.z < 0;
   Vec3 axis{0, 0, -1};
   if (aims) axis = (1 / distance) * to_centre;

@@ -1,22 +1,22 @@
-// Data of the kernels that take rays through walls of glass, and their entry points for every
+// Data of the kernels that trace rays through walls of glass, and their entry points for every
 // instruction set.
 #pragma once
 
 namespace plenoflame {
 
-/// A wall that rays meet on one side and leave on the other one.
+/// A wall that rays enter on one side and leave on the other.
 template <class Real>
 struct KernelWall {
   bool is_round;
-  Real turn[9];  ///< from the world into the window's own frame, row by row
+  Real turn[9];  ///< from the world to the window's own frame, row by row
   Real at[3];    ///< the rays' anchor in that frame [m]
   Real index, absorption;
   bool reflects;
-  // Flat: faces in the order in which rays meet them, dot(normal, p) = offset, normals out of the
-  // glass, and what of them is polished [m].
+  // Flat walls: faces in the order in which rays meet them, dot(normal, p) = offset, with normals
+  // out of the glass. Then the polished part of the faces [m].
   Real normal[2][3], offset[2];
   Real half_x, half_y, radius2;
-  // Round: cylinders around z, from outside inwards.
+  // Round walls: cylinders around z, from outside inwards.
   Real radius[2], low, high;
 };
 
@@ -24,8 +24,8 @@ struct KernelWall {
 template <class Real>
 struct KernelWays {
   Real *x, *y, *z, *dx, *dy, *dz;
-  Real* through;  ///< share of their light that has passed
-  int* odd;       ///< not 0: goes another way than in at one face and out at the other
+  Real* through;  ///< transmitted share of their light
+  int* odd;       ///< nonzero: the path is not in at one face and out at the other
 };
 
 #define PLENOFLAME_WINDOW_WALL_KERNELS                                                             \

@@ -8,16 +8,16 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-constexpr int kChunk = 256;  ///< rays taken together: their scratch stays in the nearest cache
+constexpr int kChunk = 256;  ///< rays traced together: their data stay in the first-level cache
 
 /// Rays between the two faces, in the window's own frame.
 template <class Real>
 struct Between {
-  Real x[kChunk], y[kChunk], z[kChunk];     ///< where they entered
-  Real dx[kChunk], dy[kChunk], dz[kChunk];  ///< in the glass
+  Real x[kChunk], y[kChunk], z[kChunk];     ///< points of entry
+  Real dx[kChunk], dy[kChunk], dz[kChunk];  ///< directions in the glass
   Real cos_in[kChunk], cos_glass[kChunk];   ///< of the angles with the first face's normal
   Real cos_second[kChunk], cos_out[kChunk], length[kChunk];
-  int state[kChunk];  ///< 0: goes on; 1: passes the wall by; 2: odd
+  int state[kChunk];  ///< 0: continues; 1: misses the wall; 2: odd
 };
 
 /// Refraction into the glass. @param nx, ny, nz normal against the ray
@@ -83,7 +83,7 @@ PLENOFLAME_INLINE void meet_round(const KernelWall<Real>& w, int first, int coun
     const Real dx = w.turn[0] * vx[i] + w.turn[1] * vy[i] + w.turn[2] * vz[i];
     const Real dy = w.turn[3] * vx[i] + w.turn[4] * vy[i] + w.turn[5] * vz[i];
     const Real dz = w.turn[6] * vx[i] + w.turn[7] * vy[i] + w.turn[8] * vz[i];
-    // From the point nearest to the axis on: no large numbers are subtracted.
+    // From the point nearest to the axis on, which avoids the subtraction of large numbers.
     const Real per_a = Real(1) / (dx * dx + dy * dy), aside = x * dy - y * dx;
     const Real room = square - aside * aside * per_a;
     const Real t = -(x * dx + y * dy) * per_a - square_root(magnitude(room) * per_a);
@@ -98,7 +98,7 @@ PLENOFLAME_INLINE void meet_round(const KernelWall<Real>& w, int first, int coun
   }
 }
 
-/// From the first face to the second one, and out of it.
+/// Traces from the first face to the second one, and out of the glass.
 template <class Real>
 PLENOFLAME_INLINE void leave(const KernelWall<Real>& w, int first, int count,
                              const KernelWays<Real>& ways, Between<Real>& b) {
@@ -162,7 +162,7 @@ PLENOFLAME_INLINE void leave(const KernelWall<Real>& w, int first, int count,
   }
 }
 
-/// Weakens light by absorption and by Fresnel's reflections at both faces (wall_transmission()).
+/// Attenuates light by absorption and by Fresnel's reflections at both faces (wall_transmission()).
 template <class Real>
 PLENOFLAME_INLINE void weaken(const KernelWall<Real>& w, int first, int count,
                               const KernelWays<Real>& ways, const Between<Real>& b) {

@@ -7,11 +7,11 @@
 
 namespace plenoflame {
 
-/// The ways of a block's rays through windows, from the front of the camera on.
+/// The paths of a block's rays through windows, from the front of the camera on.
 struct WindowWays {
   struct Way {
-    std::size_t first = 0, count = 0;  ///< of `segments`; none: the ray ended in the camera
-    bool open = false;                 ///< goes on without end behind the last stretch
+    std::size_t first = 0, count = 0;  ///< in `segments`; none: the ray ended in the camera
+    bool open = false;                 ///< infinite after the last stretch
   };
   std::vector<AirSegment> segments;
   std::vector<Way> ways;  ///< by ray
@@ -20,7 +20,7 @@ struct WindowWays {
     segments.clear();
     ways.assign(rays, {});
   }
-  /// Adds the way of a ray. @param path is scratch
+  /// Adds the path of a ray. @param path temporary storage
   void add(std::size_t ray, const WindowSet& windows, const Ray& from, WindowPath& path) {
     windows.trace(from, path);
     ways[ray] = {segments.size(), path.segments.size(), !path.stopped};
@@ -28,7 +28,7 @@ struct WindowWays {
   }
 };
 
-/// Cuts a way off at the first solid surface. @return the stretch that ends there; nullptr: none
+/// Cuts a path off at the first solid surface. @return the stretch that ends there; nullptr: none
 inline const AirSegment* cut_at_surface(const SurfaceScene& surfaces, WindowWays& ways,
                                         WindowWays::Way& way, SurfaceHit& hit) {
   for (std::size_t k = 0; k < way.count; ++k) {

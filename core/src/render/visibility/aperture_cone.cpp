@@ -19,8 +19,8 @@ ApertureCone::ApertureCone(const Camera& camera) {
     const SurfaceSpec& first = camera.spec().lens.surfaces.front();
     const double height = 0.5 * first.diameter;
     const double depth = surface_sag(first, {height, 0});  // of the rim behind the vertex
-    // A cap up to a hemisphere lies within the sphere around the middle of its rim. Whether one of
-    // another shape does is looked at.
+    // A cap up to a hemisphere is inside of the sphere around the middle of its rim. For other
+    // shapes the loop checks this.
     centre_ = {0, 0, -depth};
     radius_ = std::max(height, std::fabs(depth));
     front_ = reach_to_scene(first);
@@ -28,7 +28,7 @@ ApertureCone::ApertureCone(const Camera& camera) {
       constexpr int kSteps = 256;
       for (const Vec2 place : places_on(is_round(first), height, kSteps))
         radius_ = std::max(radius_, std::hypot(length(place), surface_sag(first, place) - depth));
-      radius_ += height / kSteps;  // the slope is below one where rays get in
+      radius_ += height / kSteps;  // the slope is below one where rays enter
     }
     radius_ *= kSphereMargin;
     widen_by_distortion(camera);
@@ -36,14 +36,13 @@ ApertureCone::ApertureCone(const Camera& camera) {
     return;
   }
   pupil_ = true;
-  // In terms of the height h at the front principal plane and the slope s in the scene, a ray
-  // passes when |a h + b s| is within the stop; that is a disc where a ray from its centre has a h
-  // = -b s.
+  // A ray has the height h at the front principal plane and the slope s in the scene. It passes if
+  // |a h + b s| is within the stop. This is a disc; rays from its centre have a h = -b s.
   const IdealLens& lens = camera.ideal();
   const double a = lens.stop_height + lens.stop_slope / lens.focal_length, b = lens.stop_slope;
   if (std::fabs(a) * 1e9 * lens.focal_length < std::fabs(b)) {
     telecentric_ = kSphereMargin * lens.stop_radius / std::fabs(b);
-    // Directions are those of the camera: enough of them for a tilted lens.
+    // Directions refer to the camera; a tilted lens needs a wider range of them.
     if (camera.lens_moved())
       telecentric_ = std::tan(std::atan(telecentric_) + length(camera.spec().lens.tilt));
     return;
@@ -53,7 +52,8 @@ ApertureCone::ApertureCone(const Camera& camera) {
   move_with(camera);
 }
 
-/// Rays keep their place in the entrance pupil's plane; at the front surface they move.
+/// Distortion keeps the place of rays in the entrance pupil's plane and shifts them at the front
+/// surface.
 void ApertureCone::widen_by_distortion(const Camera& camera) {
   const LensDistortion& distortion = camera.distortion();
   if (!distortion.present()) return;
@@ -61,12 +61,12 @@ void ApertureCone::widen_by_distortion(const Camera& camera) {
       distortion.largest_bend(kInfinity) * (std::fabs(distortion.pupil() - centre_.z) + radius_);
 }
 
-/// With a main lens that is decentred or tilted.
+/// Moves the cone with a decentred or tilted main lens.
 void ApertureCone::move_with(const Camera& camera) {
   if (!camera.lens_moved()) return;
   centre_ = camera.lens_pose().point(centre_);
   if (pupil_) return;
-  // The foremost point of the rim, or of what lies before it.
+  // The foremost point of the rim, or of the lens in front of it.
   const Vec3 axis = camera.lens_pose().direction({0, 0, 1});
   front_ = std::max(front_, front_ * axis.z + radius_ * std::hypot(axis.x, axis.y));
 }

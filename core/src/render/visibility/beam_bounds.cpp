@@ -6,24 +6,25 @@
 namespace plenoflame {
 namespace {
 
-// Rays are traced from some aim points in some directions: what they leave out is a few per cent,
-// near a focus, where aim and direction nearly cancel, up to 11 %.
+// Rays are traced from some aim points in some directions. The parts of the beam beyond them are a
+// few per cent of its size. Near a focus, where aim and direction nearly cancel, they are up to 11
+// %.
 constexpr double kBoundMargin = 0.15;
-// For what is taken to first order in cameras that are not aligned.
+// For first-order approximations in misaligned cameras.
 constexpr double kMisalignedMargin = 1.25;
 
-constexpr int kMostAround = 64;  ///< neighbourhoods along a side of the sensor
-constexpr int kAcross = 8;       ///< microlenses, or pixels without array, across one, at least
+constexpr int kMostAround = 64;  ///< largest number of neighbourhoods along a side of the sensor
+constexpr int kAcross = 8;       ///< smallest number of microlenses, or pixels, across one
 
 }  // namespace
 
 BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables,
                        const OccupiedRegion& region)
     : region_(&region) {
-  // Edges in the tables are those of a lens that is alike all around.
+  // Edges in the tables are valid for a round lens.
   everywhere_ = !region.bounded() || !camera.lens_is_round();
   if (everywhere_) return;
-  // Without array a beam belongs to all places whose light a pixel records, not to its centre.
+  // Without array a beam starts from all places whose light a pixel records, including its corners.
   half_diagonal_ = camera.has_array() ? 0 : camera.spec().sensor.footprint_reach();
   misaligned_ = camera.misaligned();
   if (misaligned_) {
@@ -43,8 +44,8 @@ BeamBounds::BeamBounds(const Camera& camera, const std::vector<PupilTable>& tabl
     FieldTable field;
     field.step = table.field_step;
     for (const std::vector<Ray>& rays : table.edges) {
-      // Between a field at which something passes and one at which nothing does there may be light;
-      // where it goes is not known.
+      // There may be light between a field with passing rays and a field without any. Its path is
+      // unknown.
       Footprint footprint;
       if (rays.empty()) footprint.radius[0] = footprint.radius[1] = kInfinity;
       for (int k = 0; k < 2; ++k) {
@@ -90,7 +91,7 @@ void BeamBounds::survey(const Camera& camera) {
                     (0.5 + kBoundMargin) * length(cell)));
 }
 
-/// Tells whether nothing is seen from any place within `room` of the middle.
+/// Tells whether every place within `room` of the middle sees nothing.
 bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) const {
   const double h = length(middle);
   const double last = static_cast<double>(field.nodes.size() - 1);
@@ -98,7 +99,7 @@ bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) cons
     return static_cast<std::size_t>(std::clamp(at / field.step, 0.0, last - 1));
   };
   const std::size_t first = node_at(h - room), end = node_at(h + room) + 1;
-  if (first == 0) return false;  // about the axis directions change too much
+  if (first == 0) return false;  // near the axis directions change too much
   const std::size_t i = node_at(h);
   const double t = std::min(h / field.step - static_cast<double>(i), 1.0);
   Vec2 centre[2];
@@ -106,7 +107,7 @@ bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) cons
   for (int k = 0; k < 2; ++k) {
     const Footprint &a = field.nodes[i], &b = field.nodes[i + 1];
     centre[k] = ((a.centre[k] + t * (b.centre[k] - a.centre[k])) / h) * middle;
-    // Rates at which the beam moves away from the axis with its place, and around it.
+    // Largest rate at which the beam moves with its place, away from the axis and around it.
     double widest = 0, moves = 0;
     for (std::size_t node = first; node <= end; ++node) {
       const double at = field.nodes[node].centre[k];
@@ -157,7 +158,7 @@ Visibility BeamBounds::look(int table, Vec2 place, double room) const {
   double radius = 0;
   for (int k = 0; k < 2; ++k) {
     centre[k] = (a.centre[k] + t * (b.centre[k] - a.centre[k])) * outwards;
-    // A pixel without array is as wide as its diagonal; what it sees moves with the centre.
+    // A pixel without array is as wide as its diagonal; its beam moves with its centre.
     const double along = std::fabs(b.centre[k] - a.centre[k]) / field.step;
     const double across = h > 0 ? std::sqrt(dot(centre[k], centre[k])) / h : along;
     radius = std::max(radius, std::max(a.radius[k], b.radius[k]) + (1 + kBoundMargin) *

@@ -7,25 +7,25 @@
 
 namespace plenoflame {
 
-/// The share of a beam that sees anything.
+/// The part of a beam that may meet something.
 enum class Visibility {
-  none,  ///< certainly
+  none,  ///< surely nothing
   partial,
-  full,  ///< there may be something in all of it: parts of it need no look
+  full,  ///< the whole beam may meet something, so its parts need no test
 };
 
 /// Tells whether the light that a microlens (or, without array, a pixel) can receive meets
-/// anything. Conservative: the beam is bounded by discs around rays traced at its edge and within
-/// it, with a margin.
+/// anything. The test is conservative: discs bound the beam, around rays traced at its edge and
+/// inside, with a margin.
 ///
-/// A beam is what goes through a microlens' aperture and the main lens: its focal length does not
-/// matter. In a camera that is not aligned it is looked at in the frame of the main lens, from the
-/// place where the line to the middle of the exit pupil crosses the plane that the aperture would
-/// lie in; how far the aperture is out of that plane widens it. Behind a main lens that is not
-/// round nothing is known of beams: all may meet something.
+/// A beam passes a microlens' aperture and the main lens; its focal length does not matter. In a
+/// misaligned camera the test uses the frame of the main lens. The beam's place is where the line
+/// from the aperture to the middle of the exit pupil crosses the plane of an aligned aperture. The
+/// distance of the aperture from that plane widens the beam. Behind a main lens that is not round,
+/// beams are unknown: all of them may meet something.
 class BeamBounds {
  public:
-  /// @param region kept, must live as long; @param tables of the camera's pupils
+  /// @param region kept by reference; @param tables of the camera's pupils
   BeamBounds(const Camera& camera, const std::vector<PupilTable>& tables,
              const OccupiedRegion& region);
 
@@ -45,19 +45,20 @@ class BeamBounds {
     std::vector<Footprint> nodes;
   };
   const OccupiedRegion* region_;
-  /// Places with all that is around them: where whole neighbourhoods see nothing, none of their
-  /// microlenses (without array: pixels) is looked at. Not for cameras that are not aligned.
+  /// Neighbourhoods of places on the array. If a whole neighbourhood sees nothing, its microlenses
+  /// (without array: pixels) need no test of their own. Not for misaligned cameras.
   struct Neighbourhoods {
     int columns = 0, rows = 0;  ///< 0: none
     Vec2 lower, scale;          ///< [m], per metre
-    std::vector<bool> dark;     ///< of each table in turn, row by row
+    std::vector<bool> dark;     ///< table by table, each row by row
   };
   void survey(const Camera& camera);
   bool is_dark(const FieldTable& field, Vec2 middle, double room) const;
   std::vector<FieldTable> fields_;
   Neighbourhoods around_;
   double half_diagonal_ = 0;  ///< [m] of a pixel, without array
-  bool everywhere_ = false;  ///< nothing is known, or no region bounded: all beams are looked along
+  /// True if beams or a bounded region are unknown: all beams may meet something.
+  bool everywhere_ = false;
   bool misaligned_ = false;
   RigidTransform to_lens_;   ///< from the camera's frame to that of the main lens
   double plane_ = 0;         ///< z of microlenses or sensor in the aligned camera [m]

@@ -9,10 +9,10 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kShare = 1.0 / 3;      ///< of the points, by each of the three ways
-constexpr double kDiscShare = 2.0 / 3;  ///< of the points for light that comes from another plane
+constexpr double kShare = 1.0 / 3;      ///< of the points, for each of the three ways
+constexpr double kDiscShare = 2.0 / 3;  ///< of the points for light from another plane
 
-/// 1 - cos of an angle.
+/// 1 - cos of an angle, from its tangent.
 double versine_of(double tangent) {
   const double secant = std::hypot(1.0, tangent);
   return tangent * tangent / (secant * (1 + secant));
@@ -34,7 +34,7 @@ EndlessPlanes::EndlessPlanes(const CompiledScene& scene, Vec3 centre, double rad
   const double image = scene.camera.rear_vertex() - scene.camera.sensor() -
                        scene.camera.lens_first_order().rear_principal;
   cones_[0] = {camera, versine_of(1.5 * corner / image)};
-  // Rays that leave the whole front under the angles of the field come from a point behind it.
+  // Rays that leave the whole front within the field's angles diverge from a point behind it.
   const double tangent = std::sqrt(field_versine * (2 - field_versine)) / (1 - field_versine);
   cones_[1] = {camera - (front_radius(scene.scene.camera.lens) / tangent) * axis_, field_versine};
   for (std::size_t i = 0; i < scene.scene.surfaces.size(); ++i) {
@@ -49,7 +49,7 @@ EndlessPlanes::EndlessPlanes(const CompiledScene& scene, Vec3 centre, double rad
                 0.5 * spec.extent,
                 {},
                 0};
-    // Without objects light is wanted below the camera.
+    // Without objects, points are drawn below the camera.
     const Vec3 around = radius > 0 ? centre : camera;
     const double above = dot(around - plane.origin, plane.normal);
     const double size = radius > 0 ? radius : scene.camera.lens_distance();
@@ -64,7 +64,7 @@ bool EndlessPlanes::on_plane(const Plane& plane, Vec3 point) const {
   return std::fabs(dot(p, plane.x)) <= plane.half.x && std::fabs(dot(p, plane.y)) <= plane.half.y;
 }
 
-/// Follows a direction to a plane. @return density 1 where it is met, 0 where it is not
+/// Follows a direction to a plane. @return density 1 if the direction meets it, otherwise 0
 EndlessPlanes::Place EndlessPlanes::meet(std::size_t index, Vec3 from, Vec3 direction) const {
   double t = 0;
   Place place;
@@ -90,7 +90,7 @@ EndlessPlanes::Place EndlessPlanes::draw(std::size_t index, double choice, doubl
   return place;
 }
 
-/// Solid angle of an area at the point, per area.
+/// Solid angle of an element of the plane, seen from the point, per area.
 double EndlessPlanes::per_area(const Plane& plane, Vec3 way) {
   const double square = dot(way, way);
   return square > 0 ? std::fabs(dot(way, plane.normal)) / (square * std::sqrt(square)) : 0.0;
@@ -113,7 +113,7 @@ double EndlessPlanes::density(std::size_t index, Vec3 point) const {
          cone_density(plane, point);
 }
 
-/// The end of a plane's logarithmic disc for light from a point [squared radius over height].
+/// (radius / height)^2 at the end of a plane's logarithmic disc, for light from a point.
 double EndlessPlanes::disc_reach(const Plane& plane, Vec3 from) const {
   const double reach = 2 * (length(from - plane.lookout) / plane.height + 1);
   return reach * reach;
@@ -123,12 +123,13 @@ EndlessPlanes::Place EndlessPlanes::draw_from(std::size_t index, Vec3 from, doub
                                               double v) const {
   const Plane& plane = planes_[index];
   if (choice >= kDiscShare) {
-    // Both cones: the first two thirds of draw().
+    // Both cones are the first two thirds of draw().
     Place place = draw(index, 2 * kShare * (choice - kDiscShare) / (1 - kDiscShare), u, v);
     if (place.density > 0) place.density = density_from(index, from, place.point);
     return place;
   }
-  // Area density over 1 / (r^2 + height^2): as much in every octave of the distance.
+  // The area density is proportional to 1 / (r^2 + height^2), which is even over octaves of
+  // distance.
   const double ratio = std::expm1(u * std::log1p(disc_reach(plane, from)));
   const double radius = plane.height * std::sqrt(ratio), angle = 2 * constants::pi * v;
   Place place;
@@ -148,7 +149,7 @@ double EndlessPlanes::density_from(std::size_t index, Vec3 from, Vec3 point) con
   return kDiscShare * disc + (1 - kDiscShare) / (2 * kShare) * cone_density(plane, point);
 }
 
-/// Below the lookout.
+/// The point of the plane below the lookout.
 Vec3 EndlessPlanes::foot(const Plane& plane) {
   return plane.lookout - dot(plane.lookout - plane.origin, plane.normal) * plane.normal;
 }
@@ -167,7 +168,7 @@ double EndlessPlanes::versine_of_objects(Vec3 point) const {
 
 EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 normal, double way,
                                             double choice, double u, double v) const {
-  // One way by the cosine, one towards everything with an end, one for each other plane.
+  // The ways are the cosine, the cone around all finite objects, and one for each other plane.
   const double versine = versine_of_objects(point);
   const std::size_t ways = 1 + (versine > 0 ? 1 : 0) + planes_.size() - 1;
   auto chosen = std::min(static_cast<std::size_t>(way * static_cast<double>(ways)), ways - 1);
@@ -180,7 +181,7 @@ EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 
     drawn_at_objects = true;
     leaving.direction = cone_direction(normalize(to_objects), u * versine, v);
   } else {
-    std::size_t other = chosen - 1;  // among those that are not `plane`
+    std::size_t other = chosen - 1;  // among the planes other than `plane`
     if (other >= plane) ++other;
     const Place place = draw_from(other, point, choice, u, v);
     if (!(place.density > 0)) return leaving;
@@ -189,7 +190,7 @@ EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 
   const double cosine = dot(normal, leaving.direction);
   if (!(cosine > 0)) return leaving;
   double sum = cosine / constants::pi;
-  // From far away the cosine of the cone's angle has no digits left that tell in from out.
+  // From far away, the cosine of the cone's angle has too few digits for this test.
   const Vec3 beside = cross(leaving.direction, to_objects);
   const bool at_objects =
       dot(leaving.direction, to_objects) > 0 && dot(beside, beside) <= radius_ * radius_;
@@ -218,7 +219,7 @@ double EndlessPlanes::before(const Ray& line, double t) const {
   double first = t;
   for (std::size_t i = 0; i < planes_.size(); ++i) {
     double at = 0;
-    // The distance before does not matter: nothing else is there.
+    // The margin is arbitrary, since nothing else is there.
     if (crossing(i, line, at)) first = std::min(first, at - 0.01 * std::fabs(at) - 1);
   }
   return first;

@@ -7,25 +7,25 @@
 
 namespace plenoflame {
 
-/// The planes without end of a scene, and points drawn on them where light can matter: a third of
-/// them each by directions within the cone of the camera's field, within a wider one around its
-/// whole beam, and below a point above the objects, so that their density falls with the third
-/// power of the distance, and no place has none.
+/// The infinite planes of a scene, and points drawn on them where light can matter. A third of the
+/// points lies in the cone of the camera's field, and a third in a wider cone around its whole
+/// beam. The last third is drawn by directions from a point above the objects. Its density
+/// decreases with the third power of the distance and is positive everywhere.
 class EndlessPlanes {
  public:
-  /// @param centre, radius of a sphere around everything with an end; radius 0: there is nothing
-  /// @param field_versine 1 - cos of the widest angle at which the camera looks
+  /// @param centre, radius of a sphere around all finite objects; radius 0: there are none
+  /// @param field_versine 1 - cos of the largest angle of the camera's field
   EndlessPlanes(const CompiledScene& scene, Vec3 centre, double radius, double field_versine);
 
   std::size_t count() const { return planes_.size(); }
-  /// The plane that is this surface of the scene; nullopt: it has an end.
+  /// The plane of this surface of the scene; nullopt: the surface is finite.
   std::optional<std::size_t> find(int surface) const;
   int surface(std::size_t plane) const { return planes_[plane].surface; }
   Vec3 normal(std::size_t plane) const { return planes_[plane].normal; }
 
   struct Place {
     Vec3 point;
-    double density = 0;  ///< [1/m^2] with which it is drawn; 0: the direction met nothing
+    double density = 0;  ///< [1/m^2] with which it is drawn; 0: the direction misses the plane
   };
   /// @param choice, u, v uniform in (0, 1)
   Place draw(std::size_t plane, double choice, double u, double v) const;
@@ -33,32 +33,34 @@ class EndlessPlanes {
 
   struct Leaving {
     Vec3 direction;
-    double weight = 0;  ///< cos / pi over the density of directions; 0: there is none
+    double weight = 0;  ///< cos / pi over the density of directions; 0: no direction
   };
-  /// A direction in which light that a plane reflects or emits diffusely goes on to other surfaces.
-  /// Light that starts at the distance r on a plane stands for r^3 times as much as near the
-  /// objects: directions drawn by the cosine alone would all but never meet what the camera sees,
-  /// and carry a weight without bound when they do. So directions towards everything with an end,
-  /// and towards points drawn on the other planes, are drawn as well, and the density is that of
-  /// all ways together. Of the light that goes from the distance r to another plane a share of
-  /// (R / r)^3 ends at the distance R, where it is worth R^-3: points are drawn there with the same
-  /// probability in every octave of R up to r: weights stay bounded for a number of reflections.
-  /// @param normal of the plane, on the side that light leaves from
+  /// Draws a direction to other surfaces for light that a plane reflects or emits diffusely. Light
+  /// that starts at the distance r on a plane has r^3 times the weight of light near the objects.
+  /// Directions drawn by the cosine alone would almost never meet visible objects, and their
+  /// weights would be unbounded. Some directions are therefore drawn towards all finite objects,
+  /// and some towards points on the other planes. The density is that of all ways together.
+  ///
+  /// Light goes from the distance r to another plane. A share of (R / r)^3 of it ends at the
+  /// distance R, where its value is R^-3. Points on that plane are therefore drawn with equal
+  /// probability in every octave of R up to r. Weights then stay bounded for a number of
+  /// reflections.
+  /// @param normal of the plane, on the side on which light leaves
   /// @param way, choice, u, v uniform in (0, 1)
   Leaving leave(std::size_t plane, Vec3 point, Vec3 normal, double way, double choice, double u,
                 double v) const;
 
   /// Finds where a line crosses a plane. @return false when it is parallel to it
   bool crossing(std::size_t plane, const Ray& line, double& t) const;
-  /// A number below all t at which the line crosses a plane, and at most `t`.
+  /// A number below all t at which the line crosses a plane, and not above `t`.
   double before(const Ray& line, double t) const;
 
  private:
   struct Plane {
     int surface;
     Vec3 origin, normal, x, y;
-    Vec2 half;     ///< [m] of its sides
-    Vec3 lookout;  /// above the objects, on the side of the camera
+    Vec2 half;     ///< [m] half of the sides
+    Vec3 lookout;  /// point above the objects, on the side of the camera
     double height;
   };
   bool on_plane(const Plane& plane, Vec3 point) const;
@@ -67,11 +69,11 @@ class EndlessPlanes {
   Place meet(std::size_t index, Vec3 from, Vec3 direction) const;
   double cone_density(const Plane& plane, Vec3 point) const;
   double disc_reach(const Plane& plane, Vec3 from) const;
-  /// Points for light that comes from a point of another plane.
+  /// Draws points for light that comes from a point of another plane.
   Place draw_from(std::size_t index, Vec3 from, double choice, double u, double v) const;
   double density_from(std::size_t index, Vec3 from, Vec3 point) const;
-  /// The versine of a sphere seen from a point: 1 - cos of its half angle; 0 from inside, or where
-  /// there is none.
+  /// 1 - cos of the half angle of the objects' sphere seen from a point; 0 from inside, or without
+  /// objects.
   double versine_of_objects(Vec3 point) const;
 
   std::vector<Plane> planes_;
@@ -79,10 +81,10 @@ class EndlessPlanes {
     Vec3 apex;
     double versine = 0;
   };
-  Cone cones_[2];  ///< of what is imaged sharply, and of everything that the camera sees
-  Vec3 axis_;      ///< of both
-  Vec3 centre_;    ///< of a sphere around everything with an end
-  double radius_;  ///< [m]; 0: there is nothing
+  Cone cones_[2];  ///< of the sharply imaged field, and of the whole visible field
+  Vec3 axis_;      ///< axis of both cones
+  Vec3 centre_;    ///< of a sphere around all finite objects
+  double radius_;  ///< [m]; 0: there are none
 };
 
 }  // namespace plenoflame

@@ -9,8 +9,8 @@ namespace plenoflame {
 namespace {
 
 constexpr double kRounding = kBeamRounding;
-constexpr int kMostParts = 8;     ///< that an oblique beam is looked at in
-constexpr double kSingle = 1e-6;  ///< relative: room for rounding
+constexpr int kMostParts = 8;     ///< largest number of parts of an oblique beam
+constexpr double kSingle = 1e-6;  ///< relative margin for rounding
 
 void include(Vec3 p, Box& box) {
   box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
@@ -21,8 +21,8 @@ Box nothing() {
   return {{kInfinity, kInfinity, kInfinity}, {-kInfinity, -kInfinity, -kInfinity}};
 }
 
-/// The box that rays cross in its place where the lens has no distortion: bounds and
-/// footprints of beams are without it.
+/// A box that undistorted rays cross if distorted rays cross the given one. Bounds and footprints
+/// of beams ignore distortion.
 Box undistorted(const Camera& camera, Box box) {
   constexpr double kPupilRoom = 1.5;  // pupils of real lenses move and grow off axis
   const LensDistortion& distortion = camera.distortion();
@@ -39,9 +39,10 @@ Box undistorted(const Camera& camera, Box box) {
   return box;
 }
 
-/// Distances from the middle of every place of a raster to the middle of the nearest marked one
-/// [m]; infinite when none is. Column by column, then along rows as the lower envelope of parabolas
-/// (P. Felzenszwalb, D. Huttenlocher, "Distance Transforms of Sampled Functions", 2012).
+/// Distances from the middle of every cell of a raster to the middle of the nearest marked cell
+/// [m]; infinite without marked cells. The algorithm runs along columns, then along rows as the
+/// lower envelope of parabolas (P. Felzenszwalb, D. Huttenlocher, "Distance Transforms of Sampled
+/// Functions", 2012).
 std::vector<double> distances(const std::vector<bool>& marked, int side, Vec2 size) {
   const auto n = static_cast<std::size_t>(side);
   std::vector<double> squares(n * n, kInfinity);
@@ -62,7 +63,7 @@ std::vector<double> distances(const std::vector<bool>& marked, int side, Vec2 si
   for (std::size_t row = 0; row < n; ++row) {
     const double* f = squares.data() + row * n;
     std::size_t count = 0;
-    // The place where the parabola of a column comes below that of another one before it.
+    // The place where the parabola of a column falls below the parabola of an earlier one.
     const auto crossing = [&](std::size_t before, std::size_t column) {
       const double a = static_cast<double>(before) * size.x,
                    b = static_cast<double>(column) * size.x;
@@ -97,7 +98,7 @@ std::optional<std::vector<Box>> occupied_boxes(const CompiledScene& scene) {
 }
 
 OccupiedRegion::OccupiedRegion(const Camera& camera, const std::vector<Box>& world) {
-  // Along the axis of the main lens, where that is not the camera's.
+  // Along the axis of the main lens, which may differ from the camera's axis.
   const RigidTransform to_camera = camera.to_world().inverse(),
                        to_lens = camera.lens_pose().inverse();
   const bool moved = camera.lens_moved();
@@ -137,7 +138,7 @@ OccupiedRegion::OccupiedRegion(const Camera& camera, const std::vector<Box>& wor
       std::fill_n(lit.begin() + row * kSide + column0, column1 - column0 + 1, true);
   }
   const Vec2 size{1 / scale_.x, 1 / scale_.y};
-  // From any point of a place to any of another: less by a half diagonal at either end.
+  // From any point of one cell to any point of another: half a diagonal less at each end.
   const double diagonal = std::hypot(size.x, size.y);
   const auto at_least = [&](const std::vector<bool>& marked) {
     std::vector<double> least;
@@ -162,9 +163,9 @@ std::size_t OccupiedRegion::place_of(Vec2 p) const {
   return place((p.y - lower_.y) * scale_.y) * kSide + place((p.x - lower_.x) * scale_.x);
 }
 
-/// Tells whether nothing is within a disc.
+/// Tells whether a disc contains nothing.
 bool OccupiedRegion::is_beyond(Vec2 centre, double radius) const {
-  // Seen from outside all that is lit lies behind the nearest point of the raster's border.
+  // For a centre outside of the raster, all lit cells are behind the nearest point of the border.
   const Vec2 nearest{std::clamp(centre.x, lower_.x, upper_.x),
                      std::clamp(centre.y, lower_.y, upper_.y)};
   const Vec2 out = centre - nearest;
@@ -194,7 +195,8 @@ void OccupiedRegion::describe(KernelBeam& beam) const {
   beam.scale_x = scale_.x;
   beam.scale_y = scale_.y;
   beam.to_lit = to_lit_.data();
-  // From a point to the middle of its place, on to that of the lit one: once less, now once more.
+  // The lower bound to_lit subtracts one diagonal from the distance of the cells' middles, and an
+  // upper bound adds one. The difference of the bounds is two diagonals.
   beam.lit_room = (2 + 4 * kSingle) * std::hypot(1 / scale_.x, 1 / scale_.y) +
                   4 * kSingle * length(upper_ - lower_);
 }

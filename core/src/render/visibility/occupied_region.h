@@ -10,37 +10,35 @@
 
 namespace plenoflame {
 
-/// Boxes in the world that hold everything that can be seen; nullopt when light may come from
-/// everywhere.
+/// World boxes that contain everything visible; nullopt if light may come from everywhere.
 std::optional<std::vector<Box>> occupied_boxes(const CompiledScene& scene);
 
-/// The region of a scene where anything can be seen, looked at along the optical axis: two planes
-/// across the axis that bracket it, and a raster of the places between them where there is
-/// anything.
+/// The region of a scene that may contain anything visible. Two planes perpendicular to the optical
+/// axis bracket it. A raster marks the cells between them that contain something.
 class OccupiedRegion {
  public:
   OccupiedRegion(const Camera& camera, const std::vector<Box>& world);
 
-  /// False: something is beside or behind the camera's front, and nothing can be said of beams.
+  /// False: something is beside or behind the camera's front, so that beams have no bounds.
   bool bounded() const { return bounded_; }
   /// Distance of the two planes from the front vertex [m].
   double near_plane() const { return planes_[0]; }
   double far_plane() const { return planes_[1]; }
 
-  /// Tells whether there may be anything in a beam that lies within a disc on each of the two
-  /// planes, and between the planes in their hull.
-  /// @param centre camera x, y [m]; @param radius [m]
+  /// Tells whether a beam may meet anything. On each of the two planes the beam is inside a disc,
+  /// and between the planes inside their hull.
+  /// @param centre camera x, y [m] @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
-  /// Copies the raster's place and refers to it.
+  /// Copies the raster's position and sets a pointer to it.
   void describe(KernelBeam& beam) const;
 
-  /// Tells whether there is something, or nearly so, where a line along the axis passes: what goes
-  /// through there needs no closer look.
+  /// Tells whether a line parallel to the axis meets something, or nearly so. A beam through this
+  /// point needs no further test.
   /// @param p camera x, y [m]
   bool holds(Vec2 p) const;
 
-  /// Tells whether there is something wherever a ray of that beam crosses one of the planes:
-  /// nothing in it is worth a closer look. May say no where the answer is yes.
+  /// Tells whether every ray of the beam crosses both planes in lit cells, so that its parts need
+  /// no test. May be false although this is the case.
   bool is_filled(const Vec2 centre[2], double radius) const;
 
  private:
@@ -49,10 +47,10 @@ class OccupiedRegion {
   std::size_t place_of(Vec2 p) const;
   bool bounded_ = false;
   double planes_[2] = {0, 0};
-  Vec2 lower_, upper_;  ///< of the raster, camera x, y [m]
-  Vec2 scale_;          ///< places per metre
-  /// Distances of kSide^2 places: how far, at least, any point of each is from the nearest lit one,
-  /// and from the nearest dark one [m].
+  Vec2 lower_, upper_;  ///< corners of the raster, camera x, y [m]
+  Vec2 scale_;          ///< cells per metre
+  /// Lower bounds of the distance from any point of a cell to the nearest lit or dark cell [m].
+  /// Each has kSide^2 entries.
   std::vector<double> to_lit_, to_dark_;
 };
 

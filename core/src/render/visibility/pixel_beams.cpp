@@ -10,18 +10,17 @@
 namespace plenoflame {
 namespace {
 
-// Light between the traced rays may reach a little farther: between their directions (a
-// polygon of 16 corners lacks 2 % of its circle), and between the shares of the way to the edge of
-// the opening that they are aimed at.
+// Light between the traced rays may reach a little farther. This applies between directions, as a
+// polygon of 16 corners lacks 2 % of its circle. It also applies between the aim points, which are
+// at certain shares of the distance to the opening's edge.
 constexpr double kMargin = 0.08;
 constexpr int kDirections = 16;
 constexpr double kShares[] = {0.5, 0.85, 0.95, 0.985, 1};
-constexpr int kAzimuths = 5;  ///< of sensor points, over half a turn
-/// Shares of the micro-image's radius: in its very middle cuts hold for all azimuths, which says
-/// little.
+constexpr int kAzimuths = 5;  ///< azimuths of sensor points, over half a turn
+/// Shares of the micro-image's radius. At its very middle, cuts hold for all azimuths and are wide.
 constexpr double kFirstRing = 0.02, kLastRing = 0.99;
-constexpr double kPoint = 0.01;           ///< of a pixel: cuts are asked for at points
-constexpr double kSingleRounding = 1e-6;  ///< of the distance: rays in single precision
+constexpr double kPoint = 0.01;           ///< share of a pixel: cuts are evaluated at points
+constexpr double kSingleRounding = 1e-6;  ///< share of the distance, for single precision
 
 /// The part of a microlens' aperture that a sensor point may see, in coordinates along the line
 /// through the micro-image's centre and across (PupilCut).
@@ -49,7 +48,7 @@ class Opening {
   bool empty() const { return !(high_ > low_); }
   double low() const { return low_; }
   double high() const { return high_; }
-  /// Half the chord across at p.
+  /// Half the chord across the line at p.
   double half_chord(double p) const {
     double square =
         std::min({bound_ * bound_ - p * p, radius_ * radius_ - (p - along_) * (p - along_),
@@ -67,7 +66,7 @@ class Opening {
   std::array<double, 4> cut_{};
 };
 
-/// Rays from a sensor point to points of that part of the microlens' aperture that it sees.
+/// Requests rays from a sensor point to points of the visible part of the microlens' aperture.
 void request_spot(const PupilNode& node, const ApertureDiscs& discs, double pixel, Vec2 v,
                   std::vector<PupilTracer::Request>& requests) {
   const double d = length(v);
@@ -94,7 +93,7 @@ class Line {
     n_ += 1;
     x_ += x, y_ += y, xx_ += x * x, xy_ += x * y;
   }
-  /// Tells whether the points lie far enough apart to say how the line runs.
+  /// Tells whether the points are far enough apart to define the line.
   bool is_known() const { return scatter() > kLeastScatter * n_ * xx_; }
   double slope() const { return (n_ * xy_ - x_ * y_) / scatter(); }
   double at_zero() const { return (y_ - slope() * x_) / n_; }
@@ -137,11 +136,11 @@ PixelBeams::PixelBeams(const Camera& camera, const std::vector<PupilTable>& tabl
   }
 }
 
-/// The spots of sensor points in rings around the micro-image's centre, as they are at a field.
+/// The spots of sensor points in rings around the micro-image's centre, at one field.
 struct PixelBeams::Spot {
   std::size_t ring;
-  Vec2 w;                                 ///< of the sensor point, in units of `outer`
-  std::vector<std::array<Vec2, 2>> rays;  ///< where they cross the two planes
+  Vec2 w;                                 ///< sensor point, in units of `outer`
+  std::vector<std::array<Vec2, 2>> rays;  ///< crossings with the two planes
 };
 
 std::vector<PixelBeams::Spot> PixelBeams::spots(int table, double h, double outer) const {
@@ -173,8 +172,7 @@ std::vector<PixelBeams::Spot> PixelBeams::spots(int table, double h, double oute
   return spots;
 }
 
-/// The map that is closest to all rays; nothing if there are too few, at fields that hardly any
-/// light comes from.
+/// Fits the map to all rays. Returns nothing for too few rays, at fields with almost no light.
 std::optional<PixelBeams::Map> PixelBeams::map_of(const std::vector<Spot>& spots) {
   Map map;
   for (std::size_t k = 0; k < 2; ++k) {
@@ -182,7 +180,7 @@ std::optional<PixelBeams::Map> PixelBeams::map_of(const std::vector<Spot>& spots
     for (const Spot& spot : spots)
       for (const auto& ray : spot.rays) {
         along.add(spot.w.x, ray[k].x);
-        // With its mirror image: the line goes through 0.
+        // With its mirror image, so that the line goes through 0.
         across.add(spot.w.y, ray[k].y);
         across.add(-spot.w.y, -ray[k].y);
       }
@@ -216,7 +214,7 @@ void PixelBeams::trace(int table, std::size_t i, Interval& interval) const {
       for (std::size_t k = 0; k < 2; ++k) {
         const Vec2 middle = map.at(k, spot.w);
         double& radius = radii[spot.ring];
-        // The middle moves so far within a pixel.
+        // Displacement of the middle within a pixel.
         const double pixel = half * std::max(std::fabs(map.along[k]), std::fabs(map.across[k]));
         for (const auto& ray : spot.rays)
           radius = std::max(radius, (1 + kMargin) * (length(ray[k] - middle) + pixel) +
@@ -225,12 +223,12 @@ void PixelBeams::trace(int table, std::size_t i, Interval& interval) const {
   }
   const double widest = *std::max_element(radii.begin(), radii.end());
   for (double& radius : radii)
-    if (!(radius > 0)) radius = widest;  // nothing of it got through
+    if (!(radius > 0)) radius = widest;  // no ray of this ring passed
   if (!(widest > 0)) return;
   interval.radii = radii;
 }
 
-/// The largest and the least disc of the rings that the pixels of each bin may lie in.
+/// The largest and the smallest disc of the rings that pixels of each bin may touch.
 void PixelBeams::sum_up(Interval& interval) const {
   constexpr double kLast = kRings - 1;
   const auto ring = [kLast](double distance) {
@@ -308,7 +306,7 @@ bool PixelBeam::may_meet(Vec2 pixel) const {
   const Vec2 at[2]{planes_[0].at(pixel), planes_[1].at(pixel)};
   const Vec2 v = pixel - centre_ * field_;
   const double to_unit = 1 / interval_->outer, d = std::sqrt(dot(v, v));
-  // The rings that the pixel lies between.
+  // The rings around the pixel.
   constexpr double kLast = PixelBeams::kRings - 1;
   const auto ring = [&](double distance) {
     return static_cast<std::size_t>(std::clamp(distance * to_unit * kLast, 0.0, kLast));

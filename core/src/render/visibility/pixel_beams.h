@@ -14,16 +14,16 @@ namespace plenoflame {
 
 class PixelBeam;
 
-/// The pixels behind a microlens that can see anything through it. Conservative: a pixel's beam is
-/// bounded by a disc on each of the region's two planes, its middle linear in the sensor point, as
-/// large as traced rays ask for, with a margin.
+/// The pixels behind a microlens that can see anything through it. The test is conservative: a disc
+/// on each of the region's two planes bounds a pixel's beam. The middle of the disc is linear in
+/// the sensor point. Its radius follows from traced rays, with a margin.
 ///
-/// A microlens' whole beam (BeamBounds) is several pixels' images wide where the array resolves
-/// something. Not for cameras without array, nor for those that are not aligned.
+/// If the array resolves anything, the whole beam of a microlens (BeamBounds) is several pixel
+/// images wide. Not for cameras without array, nor for misaligned cameras.
 class PixelBeams {
  public:
-  /// @param camera, tables, region kept, must live as long
-  /// @return nullptr where nothing can be said
+  /// @param camera, tables, region kept by reference
+  /// @return nullptr if no bounds are known
   static std::unique_ptr<const PixelBeams> make(const Camera& camera,
                                                 const std::vector<PupilTable>& tables,
                                                 const OccupiedRegion& region);
@@ -34,9 +34,10 @@ class PixelBeams {
  private:
   friend class PixelBeam;
   static constexpr std::size_t kRings =
-      13;  ///< of sensor points, from the micro-image's centre out
-  /// The view of a sensor point lies about centre[k] + diag(along[k], across[k]) w on plane k:
-  /// along and across the direction away from the axis, which is a mirror plane.
+      13;  ///< of sensor points, from the micro-image's centre outwards
+  /// The beam of a sensor point is centred at centre[k] + diag(along[k], across[k]) w on plane k.
+  /// The first coordinate is along the direction away from the axis. The second one is across it,
+  /// and the direction is a line of mirror symmetry.
   struct Map {
     double centre[2] = {0, 0}, along[2] = {0, 0}, across[2] = {0, 0};  ///< [m]
     /// @param w sensor point from the micro-image's centre, in units of Interval::outer
@@ -45,13 +46,14 @@ class PixelBeams {
     }
     Map mixed(const Map& other, double t) const;
   };
-  /// Between two neighbouring fields of a table: traced when first asked for, as most never are.
+  /// The range between two neighbouring fields of a table. It is traced at its first use, since
+  /// most ranges are never used.
   struct Interval {
     std::once_flag once;
-    double outer = 1;  ///< [m] the micro-image's radius
+    double outer = 1;  ///< [m] radius of the micro-image
     Map ends[2];
-    std::array<double, kRings> radii{};  ///< [m] of the discs; infinite: nothing is known
-    /// Bounds of the discs for kernels, by distance in units of outer / kBeamBins [m].
+    std::array<double, kRings> radii{};  ///< [m] of the discs; infinite: unknown
+    /// Bounds of the discs for the kernels, by distance in units of outer / kBeamBins [m].
     std::array<double, kBeamBins> largest, least;
   };
   struct Table {
@@ -66,7 +68,7 @@ class PixelBeams {
   void trace(int table, std::size_t i, Interval& interval) const;
   void sum_up(Interval& interval) const;
 
-  Camera camera_;  ///< with circles, which what is alike all around the axis is made of
+  Camera camera_;  ///< with circular apertures, whose symmetry around the axis is used
   const OccupiedRegion& region_;
   double planes_[2];
   double half_diagonal_;  ///< of a pixel [m]
@@ -78,7 +80,8 @@ class PixelBeam {
  public:
   /// @param pixel its centre, from the microlens' centre, camera x, y [m]
   bool may_meet(Vec2 pixel) const;
-  /// For a look at many of them at once, which says the same but for the discs of long beams.
+  /// Data for a test of many pixels at once. Its results are the same, except for the discs of long
+  /// beams.
   KernelBeam kernel() const;
 
  private:
@@ -92,7 +95,7 @@ class PixelBeam {
   };
   Seen planes_[2], between_;
   Vec2 field_;         ///< unit vector away from the axis
-  double centre_ = 0;  ///< of the micro-image, along it [m]
+  double centre_ = 0;  ///< [m] of the micro-image, along field_
   double half_ = 0;    ///< half a pixel's diagonal [m]
 };
 

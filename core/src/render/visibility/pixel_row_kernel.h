@@ -1,5 +1,4 @@
-// Questions about rows of pixels behind a microlens before rays are drawn, for every instruction
-// set.
+// Tests of rows of pixels behind a microlens before rays are drawn, for every instruction set.
 #pragma once
 #include <cstdint>
 
@@ -7,68 +6,68 @@
 
 namespace plenoflame {
 
-inline constexpr int kRowsPixels = 256;  ///< looked at together, at most
-inline constexpr int kRowLanes = 8;      ///< of them in a vector
+inline constexpr int kRowsPixels = 256;  ///< largest number of pixels in one call
+inline constexpr int kRowLanes = 8;      ///< pixels in a vector
 inline constexpr int kWorthRings = 6;
-/// Counters of random bits, for each pixel: one of pixel and microlens, and those of its
-/// successors, from one to four more. Whatever else is made of the first one adds a number of its
-/// own, far from these.
+/// Random words for each pixel. The first one depends on pixel and microlens, and the others on its
+/// four successors. Each further use of the first word adds its own constant, far from these, so
+/// that the sequences stay independent.
 inline constexpr int kRowWords = 5;
 
-/// Rows of pixels; all lengths from the microlens' centre [m]. A pixel's own is at
-/// x = (half_columns - (column + 1/2)) pitch - lens_x.
+/// Rows of pixels; all lengths from the microlens' centre [m]. A pixel is at x = (half_columns -
+/// (column + 1/2)) pitch - lens_x.
 struct KernelRows {
-  int rows, count;  ///< so many columns; rows * count is at most kRowsPixels
+  int rows, count;  ///< count: number of columns; rows * count is at most kRowsPixels
   double half_columns, pitch, pitch_y, lens_x;
-  double blur_x, blur_y;  ///< pixels record light that arrives so far beside them, too
-  const double* y;        ///< of the middle of each row
-  /// The end of each sector: no light comes from farther away than this from the micro-image's
-  /// centre.
+  double blur_x, blur_y;  ///< distance beside a pixel from which it records light
+  const double* y;        ///< y of the middle of each row
+  /// The end of each sector: the largest distance from the micro-image's centre with light.
   double closes[kCutAzimuths + 1];
-  double centre_x, centre_y;  ///< of the micro-image
+  double centre_x, centre_y;  ///< centre of the micro-image
   double field_x, field_y;    ///< unit vector away from the optical axis
-  double clear2;              ///< squared distance beyond which pixels have a sector of their own
-  /// Beyond each square of a distance from the micro-image's centre [m^2], and for parts of pixels
-  /// up to each, the level is one more (WorthLevels).
+  double clear2;              ///< squared distance beyond which pixels have a sector
+  /// A pixel's level rises by one at each of these squared distances from the centre of the
+  /// micro-image [m^2]. It also rises by one for lit parts of the pixel up to each of `parts`
+  /// (WorthLevels).
   double rings[kWorthRings], parts[kWorthRings];
-  std::uint64_t key;          ///< of microlens and seed
+  std::uint64_t key;          ///< random key of microlens and seed
   std::uint32_t row, column;  ///< of the first pixel
 };
 
-inline constexpr int kBeamBins = 64;  ///< of distances from the micro-image's centre
+inline constexpr int kBeamBins = 64;  ///< bins of distance from the micro-image's centre
 inline constexpr int kRasterSide = 128;
-/// The share of the raster's extent that rounding may take: rays are moved to world axes.
+/// Margin for rounding, as a share of the raster's extent: rays are turned to world axes.
 inline constexpr double kBeamRounding = 1e-9;
 
-/// The view that pixels behind a microlens have of the region that is lit (PixelBeam,
-/// OccupiedRegion): the middle between the region's two planes, and the way from one to the other,
-/// are affine in the pixel's place, a[0] + a[1] x + a[2] y [m].
+/// The view of pixels behind a microlens onto the lit region (PixelBeam, OccupiedRegion). It has
+/// the middle between the region's two planes, and the vector from one plane to the other. Both are
+/// affine in the pixel's position, a[0] + a[1] x + a[2] y [m].
 struct KernelBeam {
   double middle_x[3], middle_y[3], axis_x[3], axis_y[3];
   double bins_per_metre;
-  /// Radii of the beams' discs in each bin, at most and at least [m].
+  /// Largest and smallest radius of the beams' discs in each bin [m].
   const double *radius, *inner;
   double lower_x, lower_y, upper_x, upper_y, scale_x, scale_y;  ///< of the raster
-  const double* to_lit;  ///< at least as far is the nearest lit place from each one [m]
-  double lit_room;       ///< and at most so much farther [m]
+  const double* to_lit;  ///< lower bound of each cell's distance to the nearest lit cell [m]
+  double lit_room;       ///< upper bound minus lower bound of this distance [m]
 };
 
 /// Tells whether the footprint of a pixel meets anything.
 enum PixelVisibility {
   kSeesNone,
   kSeesSomething,
-  kNeedsExactTest  ///< longer than wide: its disc is to be tested in parts
+  kNeedsExactTest  ///< longer than wide: its disc is tested in parts
 };
 
-/// Arrays of what is found, with room for kRowsPixels + kRowLanes: one row after the other.
+/// Arrays of results, with room for kRowsPixels + kRowLanes: one row after the other.
 struct KernelRowPixels {
   double *x, *y;            ///< of the pixel's centre
   std::uint64_t* place;     ///< column << 32 | row
-  double *x_low, *x_width;  ///< columns that get light; a width not above 0: none
-  double* far2;             ///< squared: no point is farther from the micro-image's centre
+  double *x_low, *x_width;  ///< lit columns; none if the width is not positive
+  double* far2;             ///< squared largest distance to the micro-image's centre
   int* level;               ///< by worth
   int* sector;              ///< of the cuts (PixelCuts)
-  int* visibility;          ///< by the beam (PixelVisibility), of pixels that get light
+  int* visibility;          ///< of lit pixels, by the beam (PixelVisibility)
   std::uint64_t* random[kRowWords];
 };
 

@@ -1,4 +1,4 @@
-// Vector kernels of what is asked of rows of pixels; compiled once per instruction set.
+// Vector kernels that test rows of pixels; compiled once per instruction set.
 #include "render/visibility/pixel_row_kernel.h"
 
 #include "math/kernel_math.h"
@@ -6,7 +6,7 @@
 namespace plenoflame::PLENOFLAME_ISA {
 namespace {
 
-/// As plenoflame::mix64 (sampling/sobol.h).
+/// The same as plenoflame::mix64 (sampling/sobol.h).
 PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
   key += 0x9e3779b97f4a7c15u;
   key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -14,12 +14,12 @@ PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
   return key ^ (key >> 31);
 }
 
-// In an int's place: loops that hold ints are made of narrower vectors.
+// Doubles in place of ints: loops with ints are compiled to narrower vectors.
 constexpr double kLanes[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::uint64_t kLaneNumbers[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 
-/// The whole part of x, from 0 to 2^32; of odd whole numbers one less (halves are rounded to even).
-/// As long as a double: loops that hold ints are made of narrower vectors.
+/// The integer part of x, from 0 to 2^32; one less for odd integers (halves are rounded to even).
+/// The result has the width of a double, because loops with ints are compiled to narrower vectors.
 PLENOFLAME_INLINE std::int64_t whole_part(double x) {
   return __builtin_bit_cast(std::int64_t, greatest(x - 0.5, 0.0) + 0x1p52) & 0xffffffff;
 }
@@ -30,9 +30,9 @@ PLENOFLAME_INLINE std::int64_t place_at(double at) {
 
 }  // namespace
 
-// In steps, each a loop over all pixels: a row alone is too short for a processor to have several
-// vectors under way. Vectors of lengths are whole ones: what is found must not depend on how many
-// pixels there are. (Whole numbers and comparisons are the same in any vector.)
+// Each step is a loop over all pixels, because a single row is too short to keep several vectors in
+// flight. Arithmetic on lengths uses full vectors only: results must not depend on the number of
+// pixels. (Integers and comparisons are exact in any vector.)
 void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   const KernelRows r = rows;
   const int count = r.rows * r.count, padded = (count + kRowLanes - 1) / kRowLanes * kRowLanes;
@@ -47,7 +47,7 @@ void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
   int* __restrict sector = pixels.sector;
   const double* closes = rows.closes;
   alignas(64) double from_centre2[kRowsPixels], sector_found[kRowsPixels], level_found[kRowsPixels];
-  // The next row begins where each row's last vector goes beyond it.
+  // Each row's last vector may extend beyond the row; the next row overwrites the excess.
   for (int row = 0; row < r.rows; ++row) {
     const double y = r.y[row];
     const std::uint64_t number = r.row + static_cast<std::uint64_t>(row);
@@ -77,7 +77,7 @@ void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
       far2[i] = far_x * far_x + far_y * far_y;
       const double distance2 = vx * vx + vy * vy;
       from_centre2[i] = distance2;
-      // Squares with their signs: in the order of the numbers, without a root.
+      // Squares with the sign of their number: they have the same order and need no root.
       const double along = vx * r.field_x + vy * r.field_y, along2 = along * magnitude(along);
       double of_direction = 0;
 #pragma GCC unroll 8
@@ -87,7 +87,7 @@ void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
     }
 #pragma omp simd
   for (int i = 0; i < padded; ++i) sector[i] = static_cast<int>(sector_found[i]);
-  // Columns inside of the disc that the sector's light comes from.
+  // Columns inside the lit disc of the sector.
   for (int k = 0; k < padded; k += kRowLanes)
 #pragma omp simd simdlen(8)
     for (int i = k; i < k + kRowLanes; ++i) {
@@ -158,8 +158,8 @@ void cull_pixels(const KernelRows& rows, const KernelBeam& of_beam, const Kernel
       const double in = raster[place];
       const double out_x = px - near_x, out_y = py - near_y;
       const double out2 = out_x * out_x + out_y * out_y, reach = radius + half_way;
-      // No && here: what branches is not vectorised. Beams that are longer than wide, between the
-      // planes, are looked at in parts: not here.
+      // No &&, since branches are not vectorised. Beams that are longer than wide between the
+      // planes are tested in parts elsewhere.
       const bool is_short = half_way <= 0.25 * radius;
       const bool beyond = out2 + in * in > reach * reach * (1 + kBeamRounding);
       const bool within = square_root(out2) + in + b.lit_room <= inner;

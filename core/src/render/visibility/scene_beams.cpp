@@ -10,7 +10,7 @@ std::unique_ptr<const SceneBeams> SceneBeams::make(const CompiledScene& scene) {
   std::optional<std::vector<Box>> lit = occupied_boxes(scene);
   if (!lit) return nullptr;
   if (scene.windows) {
-    // Beams are straight: what bent rays can see lies that much farther out for them.
+    // Beams are straight. Boxes grow by the largest displacement of bent rays.
     const double room = displacement_by_windows(scene, *lit);
     if (!std::isfinite(room)) return nullptr;
     for (Box& box : *lit) {

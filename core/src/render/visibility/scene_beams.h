@@ -9,18 +9,18 @@
 
 namespace plenoflame {
 
-/// The microlenses and pixels of a camera that can see anything of its scene; made once for all
-/// passes of a rendering.
+/// The microlenses and pixels of a camera that can see anything of its scene. All passes of a
+/// rendering share one object.
 class SceneBeams {
  public:
-  /// @return nullptr when light may come from everywhere, also by ways that windows bend
+  /// @return nullptr if light may come from everywhere, also along paths that windows bend
   static std::unique_ptr<const SceneBeams> make(const CompiledScene& scene);
   SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit);
   SceneBeams(const SceneBeams&) = delete;
   SceneBeams& operator=(const SceneBeams&) = delete;
 
   const BeamBounds& lenses() const { return lenses_; }  ///< without array: pixels
-  /// nullptr: pixels are not looked at one by one
+  /// nullptr: pixels are not tested one by one
   const PixelBeams* pixels() const { return pixels_.get(); }
   const std::optional<BeamBounds>& between() const { return between_; }  ///< clear arrays only
 

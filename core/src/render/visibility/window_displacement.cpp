@@ -11,14 +11,14 @@ namespace plenoflame {
 namespace {
 
 constexpr int kRays = 1 << 14;
-constexpr double kBetweenMargin = 1.3;  ///< for rays between those that are traced
+constexpr double kBetweenMargin = 1.3;  ///< for rays between the traced ones
 constexpr double kFrontMargin = 1.1;    ///< of the front aperture: oblique rays leave beside it
-/// Rays are looked for so far around the boxes that the outermost part of the room is free of those
-/// that find them; it is doubled so often until it is.
+/// Rays are aimed at a room around the boxes. No ray in this outermost share of the room may meet
+/// the boxes. Otherwise the room is doubled, at most kMostDoublings times.
 constexpr double kFreeShare = 0.4;
 constexpr int kMostDoublings = 6;
 
-/// Points well spread over the unit hypercube: powers of 1/g with g^5 = g + 1 (M. Roberts'
+/// Points that are well spread over the unit hypercube: powers of 1/g with g^5 = g + 1 (M. Roberts'
 /// sequence).
 class Spread {
  public:
@@ -30,7 +30,7 @@ class Spread {
       point_[d] -= std::floor(point_[d]);
     }
   }
-  /// Evenly over a disc of radius 1.
+  /// A point of the unit disc, evenly distributed.
   Vec2 on_disc(std::size_t first) const {
     const double r = std::sqrt(point_[first]), angle = 2 * constants::pi * point_[first + 1];
     return {r * std::cos(angle), r * std::sin(angle)};
@@ -73,10 +73,10 @@ Seen look_at(const RigidTransform& to_camera, const std::vector<Box>& boxes) {
   return seen;
 }
 
-/// Rays from the camera's front to the surroundings of the boxes.
+/// Results for rays from the camera's front to the surrounding of the boxes.
 struct Found {
-  double displacement = 0;  ///< of those that find the boxes, the largest
-  double widest = 0;        ///< how far from the boxes' middle the farthest of them aimed
+  double displacement = 0;  ///< largest one of rays that meet the boxes
+  double widest = 0;        ///< largest aim distance of these rays from the boxes' middle
 };
 
 Found try_rays(const CompiledScene& scene, const Seen& seen, double front_radius, double reach) {
@@ -119,7 +119,7 @@ double displacement_by_windows(const CompiledScene& scene, const std::vector<Box
           (lens.surfaces.empty() ? lens.diameter : lens.surfaces.front().diameter) +
       length(lens.decentre);
   if (!(seen.near > 0) || !std::isfinite(seen.far + seen.radius)) return kInfinity;
-  // Straight lines to the boxes' ends cross the plane of their middle within this.
+  // Straight lines to the ends of the boxes cross the plane of their middle within this distance.
   const double steep = (front_radius + seen.radius + length(seen.middle)) / seen.near;
   const double within = seen.radius + 0.5 * (seen.far - seen.near) * steep;
   double room = std::max(0.5 * within, 1e-3 * seen.far);

@@ -5,9 +5,10 @@
 
 namespace plenoflame {
 
-/// The greatest distance at which a ray of the camera that windows bend is from the straight line
-/// on which it left the camera, at places of some boxes and across the camera's axis [m]. From
-/// traced rays, with room for those between them. Infinite where that cannot be told.
+/// The largest displacement of camera rays by windows, at places of some boxes [m]. It is measured
+/// across the camera's axis, from the straight line on which a ray leaves the camera. The result
+/// comes from traced rays, with a margin for rays between them. It is infinite if it cannot be
+/// determined.
 double displacement_by_windows(const CompiledScene& scene, const std::vector<Box>& boxes);
 
 }  // namespace plenoflame
