@@ -96,7 +96,7 @@ class Parts(CommandTest):
                 lit += flux > 0
         self.assertGreater(lit, 1000)
         self.assertIn("20", str(attributes["plenoflame.samples"]))
-        self.fails(1, "render", "--resume", "mean.exr", "--samples", "40", mentions="with another seed")
+        self.fails(1, "render", "--resume", "mean.exr", "--samples", "40", mentions="with another --seed")
         self.fails(1, "merge", "mean.exr", "s1.exr", "-o", "x.exr", mentions="is merged already")
 
     def test_what_is_missing_doubled_or_of_another_picture(self):

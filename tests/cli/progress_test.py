@@ -109,13 +109,13 @@ class ProgressOnATerminal(CommandTest):
                                       "--window", "1000,800,640,1000", "--threads", "1"))
 
     def test_of_a_target_error(self):
-        shown = self.watch("render", "a.toml", "-o", "a.exr", "--target-error", "0.6%", "--window", "1000,800,640,1000",
+        shown = self.watch("render", "a.toml", "-o", "a.exr", "--target-error", "0.4%", "--window", "1000,800,640,1000",
                            "--threads", "1")
         self.assert_honest(shown)
         # The error falls while samples are taken, not in one step at the end.
         errors = [s.error for s in shown if s.error is not None]
-        self.assertGreater(len({e for e in errors if 0.6 < e < 3}), 4, errors)
-        self.assertLessEqual(errors[-1], 0.6)
+        self.assertGreater(len({e for e in errors if 0.4 < e < 3}), 4, errors)
+        self.assertLessEqual(errors[-1], 0.4)
 
     def test_of_parts_that_have_names(self):
         shown = self.watch("bench", "a.toml", "--window", "1400,1400,200,100", "--samples", "4,16", "--estimators", "backward",

@@ -146,10 +146,10 @@ void read_raw_pictures(const std::string& path, const RawLayout& layout,
   } else if (bytes.empty()) {
     refuse_picture(path, "it is empty");
   } else {
-    refuse_picture(
-        path,
-        "neither TIFF, PNG, PGM nor JPEG; numbers without header need their layout (size, bits "
-        "and endian)");
+    throw mended_by(FileError("cannot read '" + path +
+                              "': neither TIFF, PNG, PGM nor JPEG; numbers without header need "
+                              "their layout"),
+                    {"size", "bits", "endian"});
   }
 }
 

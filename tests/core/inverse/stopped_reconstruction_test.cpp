@@ -145,6 +145,30 @@ INSTANTIATE_TEST_SUITE_P(Solvers, StoppedIn,
                            }
                          });
 
+// The error of a known absorption comes after the solution. A stop in it leaves the solution, and
+// no part of the deviations.
+TEST(StoppedReconstruction, InTheErrorOfTheAbsorptionKeepsTheSolution) {
+  Glow glow;
+  glow.input.absorption.assign(glow.rings->size(), 20);
+  StoppingUnknowns plain(*glow.rings);
+  const Reconstruction without = glow.found(plain, 2);
+  ASSERT_TRUE(without.complete);
+  glow.settings.draws = 1;
+  glow.settings.absorption_error = 0.1;
+  for (const double share : {0.5, 1.5, 6.5}) {
+    StoppingUnknowns unknowns(*glow.rings);
+    unknowns.stop_at =
+        plain.rays + static_cast<std::size_t>(share * static_cast<double>(glow.rays));
+    const Reconstruction stopped = glow.found(unknowns, 2);
+    EXPECT_FALSE(stopped.complete) << share;
+    EXPECT_EQ(stopped.values, without.values) << share;
+    EXPECT_TRUE(stopped.deviation.empty() && stopped.absorption_shift.empty()) << share;
+    EXPECT_LT(static_cast<double>(unknowns.rays - unknowns.stop_at),
+              0.2 * static_cast<double>(glow.rays))
+        << share;
+  }
+}
+
 // Both products look at the stop every few rows: parts of them that threads share are longer.
 TEST(StoppedReconstruction, ProductsEndInTheMiddle) {
   const Glow glow;

@@ -32,7 +32,8 @@ std::string at_pixel(int column, int row) {
 }
 
 std::string errors_text(double count) {
-  return fmt::format("{:+.2f} standard errors", count + 0.0);
+  constexpr double kDecimals = 100;  // beyond them, two decimals say nothing
+  return fmt::format("{:+.{}f} standard errors", count + 0.0, std::fabs(count) < kDecimals ? 2 : 0);
 }
 
 /// Says what the largest difference in units of its error means, without digits that say nothing.

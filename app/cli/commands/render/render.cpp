@@ -78,13 +78,15 @@ Report report_of(const RenderStatistics& s, double compile_seconds) {
   };
   report.add("complete", s.complete ? "yes" : "no, stopped early", "complete", s.complete);
   report.add("flux", number(s.flux) + " W over the image", "flux", s.flux);
-  if (s.relative_error >= 0)
+  if (s.flux == 0)
+    report.add_text("error", "none: no pixel is lit");
+  else if (s.relative_error >= 0)
     report.add("error",
                number(100 * s.relative_error) + " % relative RMSE over lit pixels, below " +
                    number(100 * s.relative_error_bound) + " % with " +
                    number(100 * kErrorConfidence) + " % confidence",
                "relative_error", s.relative_error);
-  if (std::isfinite(s.relative_error_bound) && s.relative_error >= 0) {
+  if (std::isfinite(s.relative_error_bound) && s.relative_error >= 0 && s.flux != 0) {
     report.add_json("relative_error_bound", s.relative_error_bound);
     report.add_json("confidence", kErrorConfidence);
   }

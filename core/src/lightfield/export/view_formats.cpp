@@ -69,7 +69,8 @@ FirstCentre first_centre(const MicroImageGrid& grid, const PixelWindow& window) 
 void export_hci(const ExportJob& job) {
   const Views views = job.views(9);
   const int grid = static_cast<int>(std::lround(std::sqrt(views.views.size())));
-  if (grid < 2) throw InputError("the HCI format needs at least 2 x 2 views; give a grid of 9");
+  if (grid < 2)
+    throw mended_by(InputError("the HCI format needs at least 2 x 2 views; usual are 9"), {"grid"});
   const std::vector<Views> colours = job.colour_views(views);
   const double white = views_white(colours);
   for (std::size_t k = 0; k < views.views.size(); ++k) {

@@ -66,7 +66,7 @@ Box region_of(const CompiledScene& scene, const CompileSettings& settings) {
                    std::max(box.upper.z, part.upper.z)};
     }
   if (box.empty())
-    throw InputError("the scene has no flame: say where later ones will be, with a region");
+    throw mended_by(InputError("the scene has no flame: say where later ones will be"), {"region"});
   return grown(box, settings.margin);
 }
 
@@ -75,10 +75,12 @@ void check_in_front(const CompiledScene& scene, const CompiledCamera& camera) {
   const Vec3 front = scene.camera.to_world().point({0, 0, 0});
   const double nearest = dot(camera.anchor - front, camera.along) - half_depth(camera);
   if (!(nearest > 0))
-    throw InputError(fmt::format(
-        "the region begins {:.6g} m behind the front of the camera's lens: give a region and a "
-        "margin that lie in front of it",
-        -nearest));
+    throw mended_by(
+        InputError(fmt::format(
+            "the region begins {:.6g} m behind the front of the camera's lens: give one that lies "
+            "in front of it",
+            -nearest)),
+        {"region", "margin"});
 }
 
 /// Moves the tiles' contents into the camera.
@@ -177,9 +179,9 @@ CompiledCamera compile_camera(const CompiledScene& scene, const CompileSettings&
     throw Cancelled();
   keep(gathering.take(execution), camera);
   if (camera.nodes == 0)
-    throw InputError(
-        "no pixel sees the region that the camera is compiled for: give a region or a window that "
-        "it looks at");
+    throw mended_by(InputError("no pixel sees the region that the camera is compiled for: give a "
+                               "region or a window that it looks at"),
+                    {"region", "window"});
   return camera;
 }
 

@@ -106,10 +106,12 @@ void check_region(const CompiledCamera& camera, const Box& box, const std::strin
   const Vec3 below = region.lower - box.lower, above = box.upper - region.upper;
   const double beyond = std::max({below.x, below.y, below.z, above.x, above.y, above.z});
   if (beyond > 1e-6 * length(region.upper - region.lower))
-    throw InputError(fmt::format(
-        "{}: {} reaches {:.3g} mm beyond the region that it was compiled for; compile the "
-        "camera with a larger region or margin",
-        name, what, 1e3 * beyond));
+    throw mended_by(
+        InputError(fmt::format(
+            "{}: {} reaches {:.3g} mm beyond the region that it was compiled for; compile the "
+            "camera with a larger one",
+            name, what, 1e3 * beyond)),
+        {"region", "margin"});
 }
 
 }  // namespace plenoflame
