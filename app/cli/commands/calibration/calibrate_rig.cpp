@@ -171,7 +171,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Registry& registry) {
       ->option_text("FILE.toml");
   command
       .add_option("--size", a->board,
-                  "Size of the board, about: by it rotations count against places (50 mm)")
+                  "Approximate size of the board, which weighs rotations against places (50 mm)")
       ->option_text("LENGTH");
   command.add_flag("--json", a->json, "Print the figures as JSON");
   on_chosen(command, registry, [a] { return run_rig(*a); });

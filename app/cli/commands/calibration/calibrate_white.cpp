@@ -492,9 +492,7 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->required();
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");
-  add_camera_options(
-      command, *a,
-      "Scene file with what is known of the camera; -o gets the same with the array found", false);
+  add_camera_options(command, *a, "Scene file with what is known of the camera", false);
   command
       .add_option("-o,--output", a->output,
                   "Scene file with the array; without --camera its keys alone")
@@ -510,9 +508,8 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->check(written())
       ->option_text("FILE");
   command
-      .add_option(
-          "--picture", a->picture,
-          "Parts of the white picture with what was found in it; also where nothing was (.png)")
+      .add_option("--picture", a->picture,
+                  "Parts of the white picture with what was found in it (.png)")
       ->check(written())
       ->option_text("FILE");
   command.add_option("--pixel-pitch", a->pixel_pitch, "Size of a pixel, without --camera")

@@ -166,8 +166,7 @@ void register_compare(const Registry& registry) {
                   "mean(REFERENCE) over lit pixels, exceeds this, e.g. 1%")
       ->option_text("SHARE");
   command.add_flag("--by-lens", settings->lenses.wanted,
-                   "For a measured A and a simulated REFERENCE: subpixel shift and gain of A, "
-                   "overall and for each micro-image");
+                   "Subpixel shift and gain of A, overall and for each micro-image");
   command
       .add_option("--lenses", settings->lenses.csv,
                   "Like --by-lens, with a table of all micro-images: gain, shift and residual")

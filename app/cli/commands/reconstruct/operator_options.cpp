@@ -24,8 +24,7 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
       ->option_text("FILE");
   command
       .add_option("--pixels", arguments.pixels,
-                  "Which pixel each row is (the first one of its block or cell); pixels that do "
-                  "not see the "
+                  "Pixel of each row (the first of its block or cell); pixels that do not see the "
                   "grid have no row")
       ->check(written())
       ->option_text("FILE.csv");
@@ -43,10 +42,8 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's)")
       ->option_text("N");
   command
-      .add_option(
-          "--form", arguments.form,
-          "Rays are kept (rays), or drawn a part at a time (drawn), where their number takes "
-          "no memory. auto: kept where the machine has memory for them (auto)")
+      .add_option("--form", arguments.form,
+                  "rays: kept in memory; drawn: a part at a time; auto: kept if they fit (auto)")
       ->check(one_of({"auto", "rays", "drawn"}))
       ->option_text("FORM");
   add_bundles_option(command, arguments.compiled);

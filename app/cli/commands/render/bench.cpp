@@ -272,11 +272,9 @@ void register_bench(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--cache", a.cache,
-                  "Folder in which the reference is kept (plenoflame in the user's cache folder)")
+                  "Folder of the reference (plenoflame in the user's cache folder)")
       ->option_text("DIR");
-  command
-      .add_option("--compare", a.compare,
-                  "Compare time, memory and error with this earlier run (.json)")
+  command.add_option("--compare", a.compare, "Earlier run to compare with (.json)")
       ->option_text("FILE");
   command.add_flag("--quiet", a.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", a.json, "Print the figures as JSON");
