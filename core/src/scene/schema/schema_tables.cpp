@@ -7,14 +7,12 @@ namespace {
 constexpr SchemaTable kTableRows[] = {
     {"camera", "Position and direction of the camera.", true, PresetKind::camera},
     {"camera.lens",
-     "The main lens: surfaces, or a thin ideal lens. `preset` names a prescription below. `file` "
-     "reads one from a file, relative to the scene. It is TOML with this table, sequential Zemax "
-     "(`.zmx`), or four columns in mm as pbrt has them (`.dat`, `.txt`). `f_number` replaces the "
-     "diameter of the stop. Written scenes have the diameter.",
+     "The main lens: surfaces, or a thin ideal lens. A `file` is TOML with this table, sequential "
+     "Zemax (`.zmx`), or four columns in mm as pbrt has them (`.dat`, `.txt`). Written scenes have "
+     "the diameter.",
      true, PresetKind::lens},
     {"camera.lens.distortion",
-     "Distortion of the main lens: an invertible map of the rays in front of it. Without this "
-     "table there is no distortion.",
+     "Distortion of the main lens: an invertible map of the rays in front of it.",
      false,
      {}},
     {"camera.lens.surfaces[]",
@@ -28,10 +26,7 @@ constexpr SchemaTable kTableRows[] = {
     {"camera.array.types[]", "The one to three interleaved kinds of microlenses.", false, {}},
     {"camera.sensor", "The sensor, centred on the optical axis.", false, {}},
     {"camera.focus", "Rule for the distance between main lens and array.", false, {}},
-    {"camera.transmission",
-     "Losses of light in the camera; without this table, only apertures block light.",
-     false,
-     {}},
+    {"camera.transmission", "Losses of light in the camera.", false, {}},
     {"camera.pupil_filters[]",
      "Filters over parts of the main lens' stop, so that views differ in wavelength "
      "(docs/user/filters.md).",
@@ -39,7 +34,7 @@ constexpr SchemaTable kTableRows[] = {
      {}},
     {"flames[]", "The flames.", true, PresetKind::flame},
     {"flames[].layers[]",
-     "Ellipsoids of a layered flame; where several overlap, the first one in the list counts.",
+     "Ellipsoids of a layered flame; where several overlap, the first counts.",
      false,
      {}},
     {"flames[].temperature", "Kind `vdb`: how a grid becomes the temperature.", false, {}},
@@ -48,15 +43,11 @@ constexpr SchemaTable kTableRows[] = {
      false,
      {}},
     {"flames[].lines[]",
-     "Kind `vdb`: emission lines of the gas, from grids; their light does not depend on "
-     "temperature (docs/radiometry.md).",
+     "Kind `vdb`: emission lines of the gas, from grids (docs/radiometry.md).",
      false,
      {}},
     {"flames[].spectrum", "Dependence of the absorption on wavelength.", false, {}},
-    {"flames[].scattering",
-     "Scattering by the flame; only scenes with scattering take longer.",
-     false,
-     {}},
+    {"flames[].scattering", "Scattering by the flame.", false, {}},
     {"surfaces[]", "Solid surfaces (docs/surfaces.md).", false, {}},
     {"surfaces[].material", "Material of the surface.", false, {}},
     {"surfaces[].material.texture",
@@ -67,7 +58,7 @@ constexpr SchemaTable kTableRows[] = {
      "Transparent bodies in air between flames and camera, or around them (docs/user/windows.md).",
      false,
      {}},
-    {"lights[]", "Light sources; flames and hot surfaces are sources of their own.", false, {}},
+    {"lights[]", "Light sources besides flames and hot surfaces.", false, {}},
     {"channels[]",
      "Spectral channels of the pictures; without any, one channel `total`.",
      false,

@@ -53,8 +53,7 @@ inline constexpr SchemaKey kWindowRows[] = {
         "windows[].absorption", "Absorption coefficient of the glass, the same in every channel.",
         Dimension::absorption, from_zero(1e9)),
     key<WINDOW, &WindowSpec::fresnel>("windows[].fresnel",
-                                      "Whether the faces of the window reflect a part of the "
-                                      "light, which the picture then lacks."),
+                                      "Whether the faces of the window reflect light."),
 };
 
 #undef WINDOW
