@@ -193,10 +193,8 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
       "    --white white.tif -o corners.csv --picture seen.png\n"
       "  plenoflame calibrate geometry corners.csv --camera camera.toml -o calibrated.toml");
   command
-      .add_option(
-          "BOARD", a->boards,
-          "Raw pictures of one board (.tif, .png, .pgm, .jpg, numbers without header), each in a "
-          "pose of its own; poses are counted from 0")
+      .add_option("BOARD", a->boards,
+                  "Raw pictures of one board, each in a pose of its own, counted from 0")
       ->required();
   add_camera_options(command, *a, "The camera, as found by calibrate white");
   command

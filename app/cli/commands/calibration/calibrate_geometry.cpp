@@ -380,10 +380,9 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       "  plenoflame calibrate geometry corners.csv --camera camera.toml \\\n"
       "    --free camera.array.sensor_distance -o calibrated.toml");
   command
-      .add_option(
-          "CORNERS", a->corners,
-          "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board in metres, pixels with "
-          "(0, 0) at the corner of the picture, q, r the microlens")
+      .add_option("CORNERS", a->corners,
+                  "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board [m], pixel (0, 0) at "
+                  "the picture's corner, q, r the microlens")
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")

@@ -61,9 +61,8 @@ void register_import(const Registry& registry) {
                   "Counts without light, where there is no dark frame (of the camera's file)")
       ->option_text("COUNTS");
   command
-      .add_option(
-          "--exposure-time", a->exposure_time,
-          "Of a frame (of the camera's file); NAME=TIME: of that channel's; may be repeated")
+      .add_option("--exposure-time", a->exposure_time,
+                  "Of a frame (of the camera's file); NAME=TIME: of that channel's; repeatable")
       ->option_text("TIME")
       ->allow_extra_args(false);
   command

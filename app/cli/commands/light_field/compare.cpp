@@ -154,9 +154,9 @@ void register_compare(const Registry& registry) {
       "plenoflame compare fast.exr converged.exr --limit 1%");
   command.add_option("A", settings->a, "Light field (.exr) to judge")->required();
   command
-      .add_option("REFERENCE", settings->reference,
-                  "Light field (.exr) to compare with; a pixel is lit if the mean of both is above "
-                  "1 % of its largest value")
+      .add_option(
+          "REFERENCE", settings->reference,
+          "Light field (.exr) to compare with; pixels above 1 % of the largest value are lit")
       ->required();
   command.add_option("--channel", settings->channel, "Channel; without it, the reference's first")
       ->option_text("NAME");

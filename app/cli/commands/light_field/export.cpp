@@ -104,7 +104,7 @@ void register_export(const Registry& registry) {
   auto settings = std::make_shared<ExportArguments>();
   CLI::App& command = add_command(registry, "export", "Export a light field for other tools",
                                   "plenoflame export flame.exr --format hci -o flame-hci");
-  add_raw_input(command, settings->raw, "Folder for the files; made when missing");
+  add_raw_input(command, settings->raw, "Folder for the files");
   std::string about = "Format of a tool:";
   std::vector<std::string> names;
   for (const ExportName& format : export_formats()) {

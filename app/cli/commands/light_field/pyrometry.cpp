@@ -288,8 +288,7 @@ void register_pyrometry(const Registry& registry) {
       ->check(written())
       ->option_text("FILE.exr");
   command
-      .add_option("--picture", settings->picture,
-                  "Temperature in false colours, with a colour bar at the right")
+      .add_option("--picture", settings->picture, "Temperature in false colours, with a colour bar")
       ->check(written())
       ->option_text("FILE.png");
   command
@@ -339,8 +338,7 @@ void register_pyrometry(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--bin", settings->bin,
-                  "Pixels that are added up before the ratio: N for blocks of N x N, micro-image, "
-                  "or view: the cells of --cells within each micro-image")
+                  "Pixels that are added before the ratio, as in reconstruct")
       ->option_text("N|micro-image|view");
   command
       .add_option("--cells", settings->cells,

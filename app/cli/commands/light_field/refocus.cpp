@@ -129,7 +129,7 @@ void register_refocus(const Registry& registry) {
   CLI::App& command = add_command(registry, "refocus",
                                   "Refocus a light field to other distances, after the exposure",
                                   "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
-  add_raw_input(command, settings->raw, "Folder for the pictures; made when missing");
+  add_raw_input(command, settings->raw, "Folder for the pictures");
   command
       .add_option("--depth", settings->depth,
                   "Distance from the front of the main lens, e.g. \"1 m\"")

@@ -102,7 +102,7 @@ void register_views(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "views", "Make sub-aperture views: the scene as seen from points of the main lens",
       "plenoflame views flame.exr -o views --grid 5");
-  add_raw_input(command, settings->raw, "Folder for contact.png and the views; made when missing");
+  add_raw_input(command, settings->raw, "Folder for contact.png and the views");
   command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
       ->check(CLI::Range(1, 99))
       ->option_text("N");

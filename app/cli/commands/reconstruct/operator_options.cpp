@@ -17,8 +17,7 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   add_cameras_option(command, arguments.cameras);
   command
       .add_option("-o,--output", arguments.output,
-                  "Sparse rows: .npz for scipy.sparse.load_npz, .h5, or .mtx (MatrixMarket); "
-                  "A times samples is the flux of each row [W]")
+                  "Sparse rows: .npz (scipy.sparse.load_npz), .h5, or .mtx (MatrixMarket)")
       ->check(written())
       ->required()
       ->option_text("FILE");
@@ -34,7 +33,7 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   add_unknowns_options(command, arguments.unknowns);
   command
       .add_option("--channel", arguments.channel,
-                  "Channel whose wavelengths the rays have; without it, the first")
+                  "Channel of the rays' wavelengths; without it, the first")
       ->option_text("NAME");
   command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
       ->option_text("N");

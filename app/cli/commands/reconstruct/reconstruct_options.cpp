@@ -22,9 +22,8 @@ namespace {
 void add_problem_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("--find", arguments.find,
-                  "emission: the temperature follows where the absorption is known; temperature: "
-                  "with known absorption, on the renderer's own formulas; both: temperature and "
-                  "absorption, from two channels (emission)")
+                  "emission; temperature, with known absorption; both: temperature and absorption, "
+                  "from two channels (emission)")
       ->check(one_of({"emission", "temperature", "both"}))
       ->option_text("WHAT");
   add_unknowns_options(command, arguments.unknowns);
@@ -114,8 +113,7 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
                   "the line of sight), focus, axis (of rings)")
       ->option_text("WHAT[,...]");
   command
-      .add_option("--refined", arguments.refined_scenes,
-                  "Scenes with the refined cameras, one for each of SCENES (.toml)")
+      .add_option("--refined", arguments.refined_scenes, "Scenes with the refined cameras (.toml)")
       ->check(written())
       ->option_text("FILE.toml ...");
   command.add_option("--memory", arguments.memory, "Most memory of the matrix [MB] (2000)")
@@ -134,8 +132,7 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
 void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("SCENES", arguments.scenes,
-                  "Scene files (.toml), one for each camera, or one with several; their flames are "
-                  "not needed")
+                  "Scene files (.toml), one for each camera, or one with several")
       ->required();
   add_set_option(command, arguments.set);
   add_cameras_option(command, arguments.cameras);
@@ -147,8 +144,7 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
       ->option_text("FILE.exr ...");
   command
       .add_option("-o,--output", arguments.output,
-                  "Grids of temperature, emission, their deviations, and what is resolved; of a "
-                  "series FILE-0001.vdb, ...")
+                  "Grids of temperature, emission and deviations; of a series FILE-0001.vdb, ...")
       ->check(written())
       ->required()
       ->option_text("FILE.vdb");

@@ -125,7 +125,7 @@ void register_compile(const Registry& registry) {
       ->option_text("LENGTH");
   command
       .add_option("--samples", arguments->samples,
-                  "Rays per pixel and microlens to choose from (as --error needs)")
+                  "Rays to choose from, per pixel and microlens (as --error needs)")
       ->option_text("N");
   command
       .add_option(

@@ -39,12 +39,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       })
       ->option_text("FILE");
   add_cameras_option(command, options.cameras);
-  auto* const frames =
-      command
-          .add_option("--frames", arguments.frames,
-                      "Frames A to B of flames that change with time, one file each: OUT.0007.exr; "
-                      "with --resume OUT.exr, finished frames are skipped")
-          ->option_text("A:B[:STEP]");
+  auto* const frames = command
+                           .add_option("--frames", arguments.frames,
+                                       "Frames A to B, one file each: OUT.0007.exr; with --resume "
+                                       "OUT.exr, finished frames are skipped")
+                           ->option_text("A:B[:STEP]");
   command
       .add_option("--time", arguments.time,
                   "Time from the first frame to the exposure, e.g. 2.5ms; without --time and "
@@ -61,9 +60,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
           "--target-error", arguments.target_error,
           "Stop when the relative RMSE over lit pixels is below this (95 % confidence), e.g. 1%")
       ->option_text("SHARE");
-  command
-      .add_option("--time-limit", arguments.time_limit,
-                  "Stop after this time, with unit, e.g. 60s, 5min")
+  command.add_option("--time-limit", arguments.time_limit, "Stop after this time, e.g. 60s, 5min")
       ->option_text("TIME");
   command
       .add_option("--estimator", arguments.estimator,

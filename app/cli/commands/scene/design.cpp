@@ -204,7 +204,7 @@ void register_design(const Registry& registry) {
   text_option("--greatest-thickness", settings->array.greatest_thickness, "LENGTH",
               "With --solve: greatest thickness of a microlens");
   text_option("-o,--output", settings->array.output, "FILE.toml",
-              "With --solve: scene file with the types found; of a lens: its prescription (.toml)")
+              "Scene with the types of --solve, or the prescription of a lens (.toml)")
       ->check(written());
   text_option("--field", settings->lens.field, "ANGLE",
               "Of a lens: greatest field angle; without it, where a tenth of the light passes, at "

@@ -207,10 +207,10 @@ void register_optimize(const Registry& registry) {
   add_set_option(command, settings->set);
   add_camera_option(command, settings->camera);
   command
-      .add_option("--merit", settings->merit,
-                  "depth: types cover --array-range without a gap; resolution: least effective "
-                  "resolution over --depths; volume: resolved pixels along a flame of --height at "
-                  "--depths; light: light per pixel")
+      .add_option(
+          "--merit", settings->merit,
+          "depth: types cover --array-range without a gap; resolution: least over --depths; "
+          "volume: resolved pixels along a flame of --height at --depths; light: light per pixel")
       ->check(one_of({"depth", "resolution", "volume", "light"}))
       ->option_text("NAME")
       ->capture_default_str();

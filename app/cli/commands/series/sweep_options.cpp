@@ -18,7 +18,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("FILE");
   command
       .add_option("--random", arguments.random,
-                  "Rules for random values (.toml), as [[random]] tables")
+                  "Rules for random values (.toml): [[random]] tables")
       ->option_text("FILE");
   command.add_option("--runs", arguments.runs, "Number of runs to draw")->option_text("N");
   command
@@ -40,8 +40,8 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("NX,NY,NZ");
   command
       .add_option("--region", arguments.region,
-                  "Box of the lattice, two corners with units (around the flames of the scene, or "
-                  "the region of --compiled)")
+                  "Box of the lattice, two corners (around the scene's flames, or the region of "
+                  "--compiled)")
       ->option_text("X,Y,Z:X,Y,Z");
   command
       .add_option("--test-share", arguments.test_share,

@@ -72,8 +72,8 @@ inline constexpr SchemaKey kArrayRows = key<ARRAY, &ArraySpec::rows>(
     {0, 65536, false, false});
 inline constexpr SchemaKey kAperture = key<ARRAY, &ArraySpec::aperture>(
     "camera.array.aperture",
-    "Shape of a microlens. The sides of a square lie along rows and columns of the lattice; "
-    "those of a hexagon face the neighbours in a hexagonal lattice.");
+    "Shape of a microlens. Sides of a square lie along rows and columns; those of a hexagon face "
+    "the neighbours in a hexagonal lattice.");
 inline constexpr SchemaKey kDiameter = key<ARRAY, &ArraySpec::diameter>(
     "camera.array.diameter",
     "Clear diameter of a microlens; of a square or hexagon, from side to side. At most the pitch.",
@@ -105,11 +105,10 @@ inline constexpr SchemaKey kFilterShape =
     key<FILTER, &PupilFilterSpec::shape>("camera.pupil_filters[].shape",
                                          "Part of the stop: a `sector` (also a half or a ring), or "
                                          "a convex `polygon`. Filters must not overlap.");
-inline constexpr SchemaKey kFilterAngle =
-    key<FILTER, &PupilFilterSpec::angle>("camera.pupil_filters[].angle",
-                                         "Sector: angle of its start, from camera x (right) "
-                                         "towards camera y (down), as seen from behind the camera.",
-                                         kAngle, within(1000));
+inline constexpr SchemaKey kFilterAngle = key<FILTER, &PupilFilterSpec::angle>(
+    "camera.pupil_filters[].angle",
+    "Sector: angle of its start, from camera x (right) towards camera y (down).", kAngle,
+    within(1000));
 inline constexpr SchemaKey kFilterExtent = key<FILTER, &PupilFilterSpec::extent>(
     "camera.pupil_filters[].extent", "Sector: angle over which it extends; 0 deg: all around.",
     kAngle, {0, 6.2831853071795872, false, false});

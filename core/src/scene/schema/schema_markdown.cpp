@@ -154,9 +154,8 @@ std::string scene_reference_markdown() {
     if (table.path == "camera.lens")
       page +=
           "| `file` | text | none | .toml, .zmx, .dat, .txt | Read the prescription from this "
-          "file. |\n"
-          "| `f_number` | number | none | above 0 | Focal length over the diameter of the entrance "
-          "pupil: sets the diameter of the stop, or narrows the one that it has. |\n";
+          "file. |\n| `f_number` | number | none | above 0 | Focal length over the diameter of the "
+          "entrance pupil: sets or narrows the stop. |\n";
     const std::string prefix = std::string(table.path) + ".";
     for (const SchemaKey& key : schema_keys()) {
       if (!key.path.starts_with(prefix)) continue;

@@ -13,9 +13,8 @@ using namespace schema;
 
 constexpr SchemaKey kRows[] = {
     kCameraName,
-    key<CAMERA, &CameraSpec::position>("camera.position",
-                                       "Place of the front vertex of the main lens in the world.",
-                                       kLength, within(kFar)),
+    key<CAMERA, &CameraSpec::position>(
+        "camera.position", "World place of the main lens' front vertex.", kLength, within(kFar)),
     key<CAMERA, &CameraSpec::look_direction>(
         "camera.look_direction", "World direction in which the camera looks; any length.", kPure,
         within(kFar)),
@@ -36,8 +35,7 @@ constexpr SchemaKey kRows[] = {
         kLength, from_zero(kLargestLens)),
     key<LENS, &MainLensSpec::decentre>(
         "camera.lens.decentre",
-        "Displacement of the main lens from the axis of array and sensor, along camera x and y.",
-        kLength, within(1)),
+        "Displacement of the main lens from the axis, along camera x and y.", kLength, within(1)),
     key<LENS, &MainLensSpec::tilt>(
         "camera.lens.tilt",
         "Tilt of the main lens about camera x, then y, around its front vertex.", kAngle,
@@ -69,9 +67,8 @@ constexpr SchemaKey kRows[] = {
                                      "Whether this is the aperture stop; exactly one surface is."),
 
     key<SURFACE, &SurfaceSpec::conic>("camera.lens.surfaces[].conic",
-                                      "Conic constant: 0 a sphere, -1 a paraboloid, below -1 a "
-                                      "hyperboloid.",
-                                      kPure, within(1e6)),
+                                      "Conic constant: 0 a sphere, -1 a paraboloid.", kPure,
+                                      within(1e6)),
     kAspheric,
     key<SURFACE, &SurfaceSpec::radius_x>(
         "camera.lens.surfaces[].radius_x",
@@ -89,9 +86,8 @@ constexpr SchemaKey kRows[] = {
                                         kPure, within(1e6)),
     kGlass,
 
-    key<ARRAY, &ArraySpec::present>(
-        "camera.array.present",
-        "Whether there is a microlens array; true if the file has the table `camera.array`."),
+    key<ARRAY, &ArraySpec::present>("camera.array.present",
+                                    "Whether there is a microlens array; true with this table."),
     key<ARRAY, &ArraySpec::lattice>("camera.array.lattice", "Arrangement of the microlenses."),
     key<ARRAY, &ArraySpec::model>("camera.array.model",
                                   "`real` microlenses are thick lenses with two spherical faces; "
@@ -144,9 +140,8 @@ constexpr SchemaKey kRows[] = {
                                  "Tilt of the array against the sensor, about camera x, then y.",
                                  kAngle, within(0.2)),
 
-    key<TYPE, &MicrolensSpec::name>(
-        "camera.array.types[].name",
-        "Name of this kind of microlens, for `focus.conjugate` and reports."),
+    key<TYPE, &MicrolensSpec::name>("camera.array.types[].name",
+                                    "Name, for `focus.conjugate` and reports."),
     key<TYPE, &MicrolensSpec::radius_front>(
         "camera.array.types[].radius_front",
         "Radius of the face towards the scene, positive when convex.", kLength, kNonzero),
@@ -209,25 +204,23 @@ constexpr SchemaKey kRows[] = {
         "noise is below a tenth of a digital number.",
         kPure, from_zero(65535)),
     key<SENSOR, &SensorSpec::shot_noise>("camera.sensor.shot_noise",
-                                         "Whether electrons arrive at random, by Poisson's law."),
-    key<SENSOR, &SensorSpec::hot_pixels>(
-        "camera.sensor.hot_pixels",
-        "Share of the pixels, chosen at random, whose dark current is `hot_current`.", kPure,
-        from_zero(1)),
+                                         "Whether electrons arrive by Poisson's law."),
+    key<SENSOR, &SensorSpec::hot_pixels>("camera.sensor.hot_pixels",
+                                         "Share of the pixels whose dark current is `hot_current`.",
+                                         kPure, from_zero(1)),
     key<SENSOR, &SensorSpec::hot_current>("camera.sensor.hot_current",
                                           "Dark current of the hot pixels, electrons per second.",
                                           kPure, from_zero(1e12)),
-    key<SENSOR, &SensorSpec::dead_pixels>(
-        "camera.sensor.dead_pixels", "Share of the pixels, chosen at random, that record no light.",
-        kPure, from_zero(1)),
+    key<SENSOR, &SensorSpec::dead_pixels>("camera.sensor.dead_pixels",
+                                          "Share of the pixels that record no light.", kPure,
+                                          from_zero(1)),
     key<SENSOR, &SensorSpec::noise_seed>("camera.sensor.noise_seed",
                                          "The same seed gives the same noise and defects."),
 
     key<FOCUS, &FocusSpec::mode>(
         "camera.focus.mode",
-        "`distance`: as given by `lens_distance`; `paraxial`: the paraxial image of the object "
-        "plane lies on the conjugate plane; `best`: real rays have their least RMS spot on the "
-        "conjugate plane."),
+        "`distance`: by `lens_distance`; `paraxial`: the paraxial image of the object plane lies "
+        "on the conjugate plane; `best`: the least RMS spot of real rays."),
     key<FOCUS, &FocusSpec::lens_distance>("camera.focus.lens_distance",
                                           "Mode `distance`: from the vertex of the last lens "
                                           "surface to the front vertices of the microlenses, or to "
@@ -450,17 +443,16 @@ constexpr SchemaKey kRows[] = {
                                      kLength, from_zero(kFar)),
     key<TEXTURE, &TextureSpec::columns>(
         "surfaces[].material.texture.columns",
-        "Squares or dots across, dark sectors of the star, or groups of bars.", kPure,
+        "Squares or dots across, sectors of the star, or groups of bars.", kPure,
         {1, 10000, false, false}),
     key<TEXTURE, &TextureSpec::rows>("surfaces[].material.texture.rows",
                                      "Squares or dots down the pattern.", kPure,
                                      {1, 10000, false, false}),
     key<TEXTURE, &TextureSpec::fill>("surfaces[].material.texture.fill",
                                      "Diameter of a dot over the spacing.", kPure, above_zero(1)),
-    key<TEXTURE, &TextureSpec::size>(
-        "surfaces[].material.texture.size",
-        "Sides of an image on the surface, centred; a star's diameter is the smaller one.", kLength,
-        above_zero(kFar)),
+    key<TEXTURE, &TextureSpec::size>("surfaces[].material.texture.size",
+                                     "Sides of an image; a star's diameter is the smaller one.",
+                                     kLength, above_zero(kFar)),
     key<TEXTURE, &TextureSpec::file>("surfaces[].material.texture.file", "Kind `image`: the file."),
 
     key<LIGHT, &LightSpec::kind>(
@@ -515,10 +507,10 @@ constexpr SchemaKey kRows[] = {
     key<CHANNEL, &ChannelSpec::photons>("channels[].photons",
                                         "Whether the response is a quantum efficiency: light then "
                                         "counts in proportion to its wavelength, as electrons do."),
-    key<CHANNEL, &ChannelSpec::wavelengths>("channels[].wavelengths",
-                                            "Least number of wavelengths that sample the channel "
-                                            "if a glass disperses; each has its own rays.",
-                                            kPure, {1, 16, false, false}),
+    key<CHANNEL, &ChannelSpec::wavelengths>(
+        "channels[].wavelengths",
+        "Wavelengths that sample the channel if a glass disperses, at least.", kPure,
+        {1, 16, false, false}),
 
     key<RENDER, &RenderSpec::estimator>("render.estimator",
                                         "`backward`: rays from the sensor; `forward`: energy "
@@ -531,9 +523,8 @@ constexpr SchemaKey kRows[] = {
         "render.seed",
         "The same seed gives the same image, bit for bit, with any number of threads."),
     key<RENDER, &RenderSpec::reflections>(
-        "render.reflections",
-        "Greatest number of reflections by surfaces along a path; 1: direct light only.", kPure,
-        {0, 64, false, false}),
+        "render.reflections", "Most reflections by surfaces along a path; 1: direct light only.",
+        kPure, {0, 64, false, false}),
     key<RENDER, &RenderSpec::flame_light>("render.flame_light",
                                           "Whether flames light the surfaces."),
 

@@ -8,11 +8,11 @@ namespace plenoflame::schema {
 
 #define FLAME_TIME FLAME, &FlameSpec::time
 
-inline constexpr SchemaKey kExposureTime = key<SENSOR, &SensorSpec::exposure_time>(
-    "camera.sensor.exposure_time",
-    "Exposure time. 0 s: until the brightest pixels fill 95 % of the full well; flames that change "
-    "are then seen at one moment.",
-    Dimension::time, from_zero(1e6));
+inline constexpr SchemaKey kExposureTime =
+    key<SENSOR, &SensorSpec::exposure_time>("camera.sensor.exposure_time",
+                                            "Exposure time. 0 s: until the brightest pixels fill "
+                                            "95 % of the full well, at one moment of the flame.",
+                                            Dimension::time, from_zero(1e6));
 inline constexpr SchemaKey kExposureBegin = key<SENSOR, &SensorSpec::exposure_begin>(
     "camera.sensor.exposure_begin", "Delay of the exposure after the time of its frame.",
     Dimension::time, from_zero(1e6));
