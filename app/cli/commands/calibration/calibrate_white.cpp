@@ -484,11 +484,9 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       "  plenoflame calibrate white white.tif --camera nominal.toml -o camera.toml\n"
       "  plenoflame calibrate white 4=w4.png 8=w8.png --centres centres.csv --picture seen.png");
   command
-      .add_option(
-          "WHITE", a->white,
-          "White pictures (.tif, .png, .pgm, .jpg, numbers without header), averaged. N=FILE: one "
-          "at f/N. Or centres that another program found: a .csv of column,row, pixel (0, 0) "
-          "having its centre at 0.5, 0.5")
+      .add_option("WHITE", a->white,
+                  "White pictures, averaged. N=FILE: one at f/N. Or centres that another program "
+                  "found: a .csv of column,row, pixel (0, 0) having its centre at 0.5, 0.5")
       ->required();
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");

@@ -71,8 +71,8 @@ void register_import(const Registry& registry) {
       ->option_text("COUNTS");
   command
       .add_option("--noise", a->noise,
-                  "Errors from gain and read noise (sensor), from the scatter of a series as a "
-                  "function of the light (series), or from each pixel's own scatter (pixel)")
+                  "Errors from gain and read noise (sensor), from scatter against light in a "
+                  "series (series), or from each pixel's scatter (pixel)")
       ->check(one_of({"sensor", "series", "pixel"}))
       ->option_text("SOURCE");
   command

@@ -162,8 +162,7 @@ void register_compare(const Registry& registry) {
       ->option_text("NAME");
   command
       .add_option("--limit", settings->limit,
-                  "Fail (status 1) when the relative RMSE, sqrt(mean((A - REFERENCE)^2)) / "
-                  "mean(REFERENCE) over lit pixels, exceeds this, e.g. 1%")
+                  "Fail (status 1) when the relative RMSE over lit pixels exceeds this, e.g. 1%")
       ->option_text("SHARE");
   command.add_flag("--by-lens", settings->lenses.wanted,
                    "Subpixel shift and gain of A, overall and for each micro-image");

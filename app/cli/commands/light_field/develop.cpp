@@ -162,8 +162,8 @@ void register_develop(const Registry& registry) {
                    "Colour picture (8 bits, sRGB) from channels with responses cie_x, cie_y, "
                    "cie_z, else from the first three as red, green, blue");
   command.add_flag("--sensor", settings->sensor.sensor,
-                   "Frames of the scene's camera.sensor: .png and .tif hold digital numbers, .exr "
-                   "electrons of all channels");
+                   "Frames of camera.sensor: .png and .tif hold digital numbers, .exr electrons of "
+                   "all channels");
   command
       .add_option("--exposure", settings->sensor.exposures,
                   "Exposure time, or several for a series: \"1 ms,4 ms\"; auto: 99.9 % of the "

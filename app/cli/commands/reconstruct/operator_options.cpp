@@ -23,8 +23,7 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
       ->option_text("FILE");
   command
       .add_option("--pixels", arguments.pixels,
-                  "Pixel of each row (the first of its block or cell); pixels that do not see the "
-                  "grid have no row")
+                  "Pixel of each row (the first of its block or cell)")
       ->check(written())
       ->option_text("FILE.csv");
   command.add_option("--places", arguments.places, "Place and volume of each unknown [m, m^3]")

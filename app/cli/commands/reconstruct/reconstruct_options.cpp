@@ -121,8 +121,7 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("--form", arguments.form,
                   "Kept in memory: matrix; rays, followed in each iteration; drawn: nothing, each "
-                  "iteration draws the rays again; auto: the first that --memory and the machine "
-                  "have room for (auto)")
+                  "iteration draws the rays again; auto: the first that fits (auto)")
       ->check(one_of({"auto", "matrix", "rays", "drawn"}))
       ->option_text("FORM");
 }

@@ -52,8 +52,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("TIME");
   command
       .add_option("--samples", arguments.samples,
-                  "Rays per pixel and microlens (forward: energy bundles in total, default 1e6); "
-                  "an upper limit with --target-error or --time-limit")
+                  "Rays per pixel and microlens (forward: energy bundles, default 1e6); an upper "
+                  "limit with --target-error or --time-limit")
       ->option_text("N");
   command
       .add_option(
@@ -85,8 +85,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->option_text("TIME");
   command
       .add_option("--resume", options.resume,
-                  "Continue the stopped run of this light field (.exr), or extend a complete one "
-                  "with --samples, --target-error, --time-limit or --truth")
+                  "Continue the stopped run of this light field (.exr), or extend a complete one")
       ->check(continued())
       ->option_text("FILE");
   command
@@ -100,10 +99,9 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
           "Lossless compression: rle (quick), zip (some percent smaller), piz or none (rle)")
       ->check(one_of({"none", "rle", "zip", "piz"}))
       ->option_text("NAME");
-  command.add_flag(
-      "--truth", options.truth,
-      "Add layers of ground truth along each pixel's chief ray: optical depth, mean distance and "
-      "temperature of the visible flame, first and last absorbing point, solid surface");
+  command.add_flag("--truth", options.truth,
+                   "Add layers of ground truth along each pixel's chief ray: optical depth, "
+                   "distances, temperature, solid surface");
   command.add_flag(
       "--no-skip{false}", options.skip,
       "Follow all rays and steps, also those that cannot change the picture (for comparison)");

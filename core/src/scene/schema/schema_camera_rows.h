@@ -17,8 +17,8 @@ inline constexpr SchemaKey kAspheric{
     Dimension::none,
     {},
     {},
-    "Even aspheric terms, coefficients of h^4, h^6, h^8, ... added to the sag towards the sensor: "
-    "`1.2e-7 1/mm^3, 0, -3e-12 1/mm^7`.",
+    "Even aspheric terms of h^4, h^6, h^8, ... in the sag towards the sensor: `1.2e-7 1/mm^3, 0, "
+    "-3e-12 1/mm^7`.",
     [](const Scene& scene, SchemaIndices i) -> SchemaValue {
       return format_aspheric(locate<SURFACE, &SurfaceSpec::aspheric>(scene, i));
     },

@@ -110,10 +110,9 @@ constexpr SchemaKey kRows[] = {
         "camera.array.rotation",
         "Rotation of the array about the optical axis, from camera x towards y.", kAngle,
         within(1000)),
-    key<ARRAY, &ArraySpec::offset>(
-        "camera.array.offset",
-        "Where the centre of lens (0, 0) lies, camera x and y, from the optical axis.", kLength,
-        within(1)),
+    key<ARRAY, &ArraySpec::offset>("camera.array.offset",
+                                   "Centre of lens (0, 0), camera x and y, from the optical axis.",
+                                   kLength, within(1)),
     key<ARRAY, &ArraySpec::sensor_distance>("camera.array.sensor_distance",
                                             "Distance B between array and sensor.", kLength,
                                             above_zero(10)),
@@ -221,29 +220,27 @@ constexpr SchemaKey kRows[] = {
         "camera.focus.mode",
         "`distance`: by `lens_distance`; `paraxial`: the paraxial image of the object plane lies "
         "on the conjugate plane; `best`: the least RMS spot of real rays."),
-    key<FOCUS, &FocusSpec::lens_distance>("camera.focus.lens_distance",
-                                          "Mode `distance`: from the vertex of the last lens "
-                                          "surface to the front vertices of the microlenses, or to "
-                                          "the sensor without an array.",
-                                          kLength, from_zero(1000)),
+    key<FOCUS, &FocusSpec::lens_distance>(
+        "camera.focus.lens_distance",
+        "Mode `distance`: from the last lens vertex to the front vertices of the microlenses, or "
+        "to the sensor without an array.",
+        kLength, from_zero(1000)),
     key<FOCUS, &FocusSpec::object_distance>(
         "camera.focus.object_distance",
         "Other modes: from the front vertex of the main lens to the object plane; may be `inf`.",
         kLength, from_zero(kInf)),
     key<FOCUS, &FocusSpec::conjugate>(
         "camera.focus.conjugate",
-        "What is conjugate to the object plane: `array` (plenoptic 1.0), the name of a microlens "
-        "type (2.0: the plane "
-        "on which that type is sharp), or `sensor` (only without array, and then the default)."),
+        "Conjugate of the object plane: `array` (plenoptic 1.0), a microlens type (2.0: the plane "
+        "on which it is sharp), or `sensor` (only without array, and then the default)."),
 
     key<TRANSMISSION, &TransmissionSpec::fresnel>(
         "camera.transmission.fresnel",
         "Whether every refracting surface reflects light (unpolarised)."),
     key<TRANSMISSION, &TransmissionSpec::coating_index>(
         "camera.transmission.coating_index",
-        "Index of a quarter-wave layer on the surfaces of the main lens that border on air; 0: "
-        "uncoated.",
-        kPure, from_zero(5)),
+        "Index of a quarter-wave layer on the main lens' surfaces in air; 0: uncoated.", kPure,
+        from_zero(5)),
     key<TRANSMISSION, &TransmissionSpec::coating_wavelength>(
         "camera.transmission.coating_wavelength",
         "Wavelength for which the layer is a quarter wave thick.", kLength, above_zero(1e-3)),
@@ -254,8 +251,8 @@ constexpr SchemaKey kRows[] = {
         kPure, kIndex),
     key<TRANSMISSION, &TransmissionSpec::filter>(
         "camera.transmission.filter",
-        "Transmission of a filter in front of the sensor, linear between points: `400 nm 0.9, 700 "
-        "nm 0.8`, 0 outside; empty: no filter."),
+        "Transmission of a filter before the sensor, linear between points: `400 nm 0.9, 700 nm "
+        "0.8`, 0 outside."),
 
     kFilterName,
     kFilterShape,
@@ -320,10 +317,9 @@ constexpr SchemaKey kRows[] = {
     key<ABSORPTION, &GridSpec::grid>(
         "flames[].absorption.grid",
         "Name of the grid in the file; empty: `absorption` and its known aliases."),
-    key<ABSORPTION, &GridSpec::unit>(
-        "flames[].absorption.unit",
-        "Unit of scale * stored + offset (1/m, 1/cm, 1/mm), or `1` or `ppm` for a volume fraction "
-        "of soot; empty: the file's metadata, else 1/m."),
+    key<ABSORPTION, &GridSpec::unit>("flames[].absorption.unit",
+                                     "Unit of scale * stored + offset (1/m, 1/cm, 1/mm; `1` or "
+                                     "`ppm` of soot); empty: the file's metadata, else 1/m."),
     key<ABSORPTION, &GridSpec::scale>("flames[].absorption.scale", "Factor on the stored values.",
                                       kPure, kNonzero),
     key<ABSORPTION, &GridSpec::offset>("flames[].absorption.offset", "Added after the factor.",
@@ -455,10 +451,9 @@ constexpr SchemaKey kRows[] = {
                                      kLength, above_zero(kFar)),
     key<TEXTURE, &TextureSpec::file>("surfaces[].material.texture.file", "Kind `image`: the file."),
 
-    key<LIGHT, &LightSpec::kind>(
-        "lights[].kind",
-        "`point`: evenly into a cone; `parallel`: from infinitely far, like the sun; "
-        "`environment`: the same radiance from everywhere."),
+    key<LIGHT, &LightSpec::kind>("lights[].kind",
+                                 "`point`: evenly into a cone; `parallel`: like the sun; "
+                                 "`environment`: the same radiance from everywhere."),
     key<LIGHT, &LightSpec::name>("lights[].name", "Name for messages."),
     key<LIGHT, &LightSpec::position>("lights[].position", "World place of a point source.", kLength,
                                      within(kFar)),
@@ -486,9 +481,8 @@ constexpr SchemaKey kRows[] = {
                                      "Name of the image channel: letters, digits, _ and -."),
     key<CHANNEL, &ChannelSpec::kind>(
         "channels[].kind",
-        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: with "
-        "a Gaussian filter; `curve`: with a response given by points; `named`: with a named "
-        "response."),
+        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: "
+        "Gaussian filter; `curve`: response by points; `named`: a named response."),
     key<CHANNEL, &ChannelSpec::wavelength>("channels[].wavelength",
                                            "Kinds `band` and `line`: centre, in vacuum.", kLength,
                                            from_zero(1e-3)),

@@ -21,9 +21,8 @@ inline constexpr SchemaKey kSensorFrameRate = key<SENSOR, &SensorSpec::frame_rat
     "Pictures per second; 0 Hz: the rate of the first series of flames.", Dimension::frequency,
     from_zero(1e12));
 inline constexpr SchemaKey kExposureSteps = key<SENSOR, &SensorSpec::exposure_steps>(
-    "camera.sensor.exposure_steps",
-    "Number of moments that sample an exposure of a flame that moves or dims by a `time_table`.",
-    kPure, {1, 1000, false, false});
+    "camera.sensor.exposure_steps", "Moments that sample an exposure with a `time_table`.", kPure,
+    {1, 1000, false, false});
 
 inline constexpr SchemaKey kBrightness = key<FLAME, &FlameSpec::brightness>(
     "flames[].brightness", "Factor on the flame's emission; its absorption is not changed.", kPure,
