@@ -26,9 +26,9 @@ This page has all commands and options. `--help` prints those of one command, `p
 stands in parentheses. `SCENE` is a scene file (.toml), `RAW` a light field (.exr) written by `render`.
 
 - Exit status: 0 on success, 1 for an error in a file or of the machine, 2 for an error in the command line.
-- An error is one line on standard error. It begins with `plenoflame: error:`.
+- An error is one line on standard error: `plenoflame: error: ...`.
 - Results go to standard output, as JSON in SI units with `--json`. Progress goes to standard error if that is a terminal.
-- A file is written under a temporary name and renamed. An existing file is never left half-written.
+- A file is written under a temporary name and renamed, so an existing file is never left half-written.
 """
 
 # One text for options that commands explain in different words: (text here, the texts of the help). The text of the help stands

@@ -190,8 +190,7 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
   command.footer(
       "Example:\n"
       "  plenoflame calibrate corners board-*.tif --camera camera.toml --board 9x6 --cell 5mm \\\n"
-      "    --white white.tif -o corners.csv --picture seen.png\n"
-      "  plenoflame calibrate geometry corners.csv --camera camera.toml -o calibrated.toml");
+      "    --white white.tif -o corners.csv --picture seen.png");
   command
       .add_option("BOARD", a->boards,
                   "Raw pictures of one board, each in a pose of its own, counted from 0")

@@ -376,9 +376,7 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
   command.footer(
       "Example:\n"
       "  plenoflame calibrate geometry corners.csv --camera camera.toml --centres centres.csv \\\n"
-      "    -o calibrated.toml --plot residuals.png\n"
-      "  plenoflame calibrate geometry corners.csv --camera camera.toml \\\n"
-      "    --free camera.array.sensor_distance -o calibrated.toml");
+      "    -o calibrated.toml --plot residuals.png");
   command
       .add_option("CORNERS", a->corners,
                   "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board [m], pixel (0, 0) at "

@@ -53,8 +53,7 @@ void add_raw_file_options(CLI::App& command, RawFileOptions& options) {
       ->option_text("N");
   command
       .add_option("--shift", options.shift,
-                  "Bits by which the file's numbers are too large, e.g. 4 for 12 bits at the top "
-                  "of 16 (0)")
+                  "Bits by which numbers are too large, e.g. 4 for 12 bits at the top of 16 (0)")
       ->check(CLI::Range(0, 15))
       ->option_text("N");
   command

@@ -24,8 +24,8 @@ void add_unknowns_options(CLI::App& command, UnknownsRequest& arguments) {
       ->option_text("X,Y,Z");
   command
       .add_option("--size", arguments.size,
-                  "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames; "
-                  "reconstruct takes them from the pictures where these cut the flame (auto)")
+                  "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames, or by "
+                  "the pictures (auto)")
       ->option_text("X,Y,Z");
   command
       .add_option("--axis", arguments.axis,

@@ -179,9 +179,7 @@ void register_rays(const Registry& registry) {
   add_moment_options(command, settings->moment);
   command
       .add_option("-o,--output", settings->output,
-                  "File to write: .vtp (VTK PolyData), .csv (a line for each vertex), .json, or "
-                  ".npz (numpy: "
-                  "the ends of each ray alone)")
+                  "File to write: .vtp (VTK PolyData), .csv, .json, or .npz (numpy)")
       ->check(written())
       ->required()
       ->option_text("FILE");
