@@ -26,9 +26,9 @@ This page has all commands and options. `--help` prints those of one command, `p
 stands in parentheses. `SCENE` is a scene file (.toml), `RAW` a light field (.exr) written by `render`.
 
 - Exit status: 0 on success, 1 for an error in a file or of the machine, 2 for an error in the command line.
-- An error is one line on standard error. It begins with `plenoflame: error:`.
+- An error is one line on standard error: `plenoflame: error: ...`.
 - Results go to standard output, as JSON in SI units with `--json`. Progress goes to standard error if that is a terminal.
-- A file is written under a temporary name and renamed. An existing file is never left half-written.
+- A file is written under a temporary name and renamed, so an existing file is never left half-written.
 """
 
 # One text for options that commands explain in different words: (text here, the texts of the help). The text of the help stands
@@ -56,13 +56,13 @@ ALIKE = (
      ("Use the rays that `plenoflame compile` found for the camera",)),
     ("Channel; without it, the first",
      ("Channel to develop; without it, the first", "Channel; without it, the first")),
-    ("All rays of this pixel: column and row, from the top left; may be repeated",
-     ("All rays of this pixel: column and row, from the top left; may be repeated", "Draw this pixel's rays; may be repeated")),
-    ("All rays through this microlens, from every pixel that it lights; may be repeated",
-     ("All rays through this microlens, from every pixel that it lights; may be repeated",
+    ("All rays of this pixel: column and row, from the top left; repeatable",
+     ("All rays of this pixel: column and row, from the top left; repeatable", "Draw this pixel's rays; may be repeated")),
+    ("All rays through this microlens; repeatable",
+     ("All rays through this microlens; repeatable",
       "Draw this microlens' rays; may be repeated")),
-    ('Rays from this point of the world towards the camera, e.g. "1 m, 0 m, 5 mm"; may be repeated',
-     ('Rays from this point of the world towards the camera, e.g. "1 m, 0 m, 5 mm"; may be repeated',
+    ('Rays from this point of the world, e.g. "1 m, 0 m, 5 mm"; repeatable',
+     ('Rays from this point of the world, e.g. "1 m, 0 m, 5 mm"; repeatable',
       "Draw rays from this point of the world towards the camera; may be repeated")),
     ("All rays of N different pixels drawn at random",
      ("All rays of N different pixels drawn at random", "Draw the rays of N pixels drawn at random")),

@@ -50,12 +50,10 @@ def tables():
             cells.append(f"{time:.3g} s | {100 * efficiency:.0f} %")
         lines.append(f"| {ranks} | " + " | ".join(cells) + " |")
     lines.append("")
-    rows, entries, size = matrix(128 ** 3, 12, 1e6, 64)
+    rows, _, size = matrix(128 ** 3, 12, 1e6, 64)
     follow = rows * 64 / 1.0e6
-    lines += ["| 128^3 voxels, 12 cameras of 1 million lit pixels | |", "|---|---:|",
-              f"| rows; entries | {rows:.3g}; {entries:.3g} |",
-              f"| matrix; its part on each of 1000 ranks | {size / 1e9:.3g} GB; {size / 1e6 / 1000:.3g} MB |",
-              f"| following 64 rays a pixel: one thread; 1000 ranks | {follow:.3g} s; {follow / 1000:.3g} s |"]
+    lines.append(f"The matrix of 128^3 voxels and 12 cameras of 1 million lit pixels takes {size / 1e9:.3g} GB. "
+                 f"One thread follows its 64 rays a pixel in {follow:.3g} s.")
     return "\n".join(lines)
 
 

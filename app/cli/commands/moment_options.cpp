@@ -24,12 +24,9 @@ int frame_option(const std::string& name, const std::string& text) {
 void add_moment_options(CLI::App& command, MomentChoice& choice) {
   auto* const frame = command
                           .add_option("--frame", choice.frame,
-                                      "Frame of flames that change with time, as at the beginning "
-                                      "of its exposure (the first)")
+                                      "Frame, at the beginning of its exposure (the first)")
                           ->option_text("N");
-  command
-      .add_option("--time", choice.time,
-                  "Time since the first frame, in place of --frame, with unit, e.g. 2.5ms")
+  command.add_option("--time", choice.time, "Time since the first frame, e.g. 2.5ms")
       ->excludes(frame)
       ->option_text("TIME");
 }

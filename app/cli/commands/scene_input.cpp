@@ -44,9 +44,8 @@ SceneSettings settings_of(const std::vector<std::string>& values) {
 void add_set_option(CLI::App& command, std::vector<std::string>& values) {
   command
       .add_option(kOption, values,
-                  "Replace a value of the scene: any of its keys, such as "
-                  "camera.focus.object_distance=0.9m or flames[0].position=\"1 m, 0 m, -29 mm\"; "
-                  "may be repeated")
+                  "Replace a value of the scene, such as camera.focus.object_distance=0.9m or "
+                  "flames[0].position=\"1 m, 0 m, -29 mm\"; repeatable")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
 }

@@ -190,21 +190,16 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
   command.footer(
       "Example:\n"
       "  plenoflame calibrate corners board-*.tif --camera camera.toml --board 9x6 --cell 5mm \\\n"
-      "    --white white.tif -o corners.csv --picture seen.png\n"
-      "  plenoflame calibrate geometry corners.csv --camera camera.toml -o calibrated.toml");
+      "    --white white.tif -o corners.csv --picture seen.png");
   command
-      .add_option(
-          "BOARD", a->boards,
-          "Raw pictures of one board (.tif, .png, .pgm, .jpg, numbers without header), each in a "
-          "pose of its own; poses are counted from 0")
+      .add_option("BOARD", a->boards,
+                  "Raw pictures of one board, each in a pose of its own, counted from 0")
       ->required();
-  add_camera_options(command, *a,
-                     "The camera, whose micro-images lie where those of the pictures do: calibrate "
-                     "white makes one of a nominal one");
+  add_camera_options(command, *a, "The camera, as found by calibrate white");
   command
       .add_option("--board", a->board,
-                  "Points of the board: corners between squares, which are one less than the "
-                  "squares each way, or dots")
+                  "Points of the board: corners between squares (one less than the squares each "
+                  "way), or dots")
       ->required()
       ->option_text("COLUMNSxROWS");
   command.add_option("--cell", a->cell, "Distance between neighbouring points")
@@ -212,9 +207,9 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
       ->option_text("LENGTH");
   command.add_flag("--dots", a->dots, "The board has round dots, not squares");
   command
-      .add_option("--white", a->white,
-                  "White pictures, by which the others are divided: the edges of micro-images then "
-                  "disturb less")
+      .add_option(
+          "--white", a->white,
+          "White pictures, by which the others are divided against the edges of micro-images")
       ->option_text("FILE ...");
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");

@@ -376,14 +376,11 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
   command.footer(
       "Example:\n"
       "  plenoflame calibrate geometry corners.csv --camera camera.toml --centres centres.csv \\\n"
-      "    -o calibrated.toml --plot residuals.png\n"
-      "  plenoflame calibrate geometry corners.csv --camera camera.toml \\\n"
-      "    --free camera.array.sensor_distance -o calibrated.toml");
+      "    -o calibrated.toml --plot residuals.png");
   command
-      .add_option(
-          "CORNERS", a->corners,
-          "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board in metres, pixels with "
-          "(0, 0) at the corner of the picture, q, r the microlens")
+      .add_option("CORNERS", a->corners,
+                  "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board [m], pixel (0, 0) at "
+                  "the picture's corner, q, r the microlens")
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
@@ -391,33 +388,30 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       ->required()
       ->option_text("FILE.toml");
   command
-      .add_option(
-          "--centres", a->centres,
-          "Table of the micro-images' centres in white pictures, that of calibrate white or "
-          "q,r,column,row; place and tilt of the array are searched for, too")
+      .add_option("--centres", a->centres,
+                  "Centres in white pictures, from calibrate white or as q,r,column,row; also "
+                  "finds place and tilt of the array")
       ->option_text("FILE.csv");
   command
       .add_option("--radii", a->radii,
-                  "Table of the radii of white micro-images at several f-numbers, of calibrate "
-                  "white --radii; they tell the distance from array to sensor")
+                  "Table of calibrate white --radii; it tells the distance from array to sensor")
       ->option_text("FILE.csv");
   command
       .add_option("--f-number-error", a->f_number,
-                  "Relative standard deviation of the f-numbers of --radii, which they share")
+                  "Relative standard deviation common to the f-numbers of --radii")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command
       .add_option("--free", a->free,
-                  "What is searched for, in place of the usual: keys with commas between, such as "
+                  "Keys that are fitted in place of the usual, such as "
                   "camera.lens.focal_length,camera.lens.decentre; `usual,camera.lens.distortion` "
-                  "adds distortion to the usual")
+                  "adds distortion")
       ->delimiter(',')
       ->option_text("KEY,...");
   command
-      .add_option(
-          "--pupil", a->pupil,
-          "Standard deviation of the lens' distance from the array over the exit pupil's. It "
-          "enters the stated errors; 0: the stop is at a thin lens")
+      .add_option("--pupil", a->pupil,
+                  "Standard deviation of the lens' distance from the array over the exit pupil's; "
+                  "0: the stop is at a thin lens")
       ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")

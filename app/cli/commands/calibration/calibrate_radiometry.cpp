@@ -374,11 +374,9 @@ void add_calibrate_radiometry(CLI::App& calibrate, const Registry& registry) {
           "a blackbody; files of the same label are averaged")
       ->required();
   command
-      .add_option(
-          "--white", a->whites,
-          "White picture through the whole camera, of which import --white makes pixels what the "
-          "camera's model would have recorded: the scale is of such pixels. TIME=FILE: one evenly "
-          "bright scene at three exposures or more, which tell whether the sensor is linear")
+      .add_option("--white", a->whites,
+                  "White picture, as for import. TIME=FILE: one evenly bright scene at three "
+                  "exposures or more, which tell whether the sensor is linear")
       ->option_text("[TIME=]FILE ...");
   command
       .add_option("--white-dark", a->white_dark,

@@ -161,8 +161,8 @@ void add_calibrate_rig(CLI::App& calibrate, const Registry& registry) {
       "  plenoflame calibrate rig left.toml=left-poses.csv right.toml=right-poses.csv -o rig.toml");
   command
       .add_option("CAMERA", a->cameras,
-                  "CAMERA.toml=POSES.csv: what calibrate geometry found (-o and --poses); poses of "
-                  "the same number are the same place of one board, and the first camera stays")
+                  "CAMERA.toml=POSES.csv of calibrate geometry; a pose's number stands for one "
+                  "place of the board, and the first camera stays")
       ->required();
   command
       .add_option("-o,--output", a->output, "Scene file with all cameras, in the first one's world")
@@ -171,7 +171,7 @@ void add_calibrate_rig(CLI::App& calibrate, const Registry& registry) {
       ->option_text("FILE.toml");
   command
       .add_option("--size", a->board,
-                  "Size of the board, about: by it rotations count against places (50 mm)")
+                  "Approximate size of the board, which weighs rotations against places (50 mm)")
       ->option_text("LENGTH");
   command.add_flag("--json", a->json, "Print the figures as JSON");
   on_chosen(command, registry, [a] { return run_rig(*a); });

@@ -484,17 +484,13 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       "  plenoflame calibrate white white.tif --camera nominal.toml -o camera.toml\n"
       "  plenoflame calibrate white 4=w4.png 8=w8.png --centres centres.csv --picture seen.png");
   command
-      .add_option(
-          "WHITE", a->white,
-          "White pictures (.tif, .png, .pgm, .jpg, numbers without header), averaged. N=FILE: one "
-          "at f/N. Or centres that another program found: a .csv of column,row, pixel (0, 0) "
-          "having its centre at 0.5, 0.5")
+      .add_option("WHITE", a->white,
+                  "White pictures, averaged. N=FILE: one at f/N. Or centres that another program "
+                  "found: a .csv of column,row, pixel (0, 0) having its centre at 0.5, 0.5")
       ->required();
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");
-  add_camera_options(
-      command, *a,
-      "Scene file with what is known of the camera; -o gets the same with the array found", false);
+  add_camera_options(command, *a, "Scene file with what is known of the camera", false);
   command
       .add_option("-o,--output", a->output,
                   "Scene file with the array; without --camera its keys alone")
@@ -510,9 +506,8 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
       ->check(written())
       ->option_text("FILE");
   command
-      .add_option(
-          "--picture", a->picture,
-          "Parts of the white picture with what was found in it; also where nothing was (.png)")
+      .add_option("--picture", a->picture,
+                  "Parts of the white picture with what was found in it (.png)")
       ->check(written())
       ->option_text("FILE");
   command.add_option("--pixel-pitch", a->pixel_pitch, "Size of a pixel, without --camera")

@@ -169,9 +169,8 @@ void register_camera(const Registry& registry) {
       ->option_text("NAME");
   import
       .add_option("--set", arguments->set,
-                  "A value that no file gives, or in place of theirs: keys of a scene such as "
-                  "camera.sensor.pixel_pitch=5.5um, camera.lens.f_number=4 or "
-                  "camera.array.types[0].focal_length=0.5mm; may be repeated")
+                  "A value of the scene, such as camera.sensor.pixel_pitch=5.5um or "
+                  "camera.array.types[0].focal_length=0.5mm; repeatable")
       ->option_text("KEY=VALUE")
       ->allow_extra_args(false);
   import.add_flag("--json", arguments->json, "Print the report as JSON");

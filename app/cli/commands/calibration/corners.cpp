@@ -69,7 +69,7 @@ void register_corners(const Registry& registry) {
   add_camera_option(command, settings->camera);
   command
       .add_option("-o,--output", settings->output,
-                  "File to write: .csv, a line for each point and microlens that shows it")
+                  "File to write (.csv): a line for each point and microlens that shows it")
       ->check(written())
       ->required()
       ->option_text("FILE");

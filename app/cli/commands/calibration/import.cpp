@@ -61,9 +61,8 @@ void register_import(const Registry& registry) {
                   "Counts without light, where there is no dark frame (of the camera's file)")
       ->option_text("COUNTS");
   command
-      .add_option(
-          "--exposure-time", a->exposure_time,
-          "Of a frame (of the camera's file); NAME=TIME: of that channel's; may be repeated")
+      .add_option("--exposure-time", a->exposure_time,
+                  "Of a frame (of the camera's file); NAME=TIME: of that channel's; repeatable")
       ->option_text("TIME")
       ->allow_extra_args(false);
   command
@@ -71,18 +70,14 @@ void register_import(const Registry& registry) {
                   "Counts from which on a pixel is full (full well, or the largest number)")
       ->option_text("COUNTS");
   command
-      .add_option(
-          "--noise", a->noise,
-          "Errors from the sensor's gain and read noise (sensor), from how the scatter of "
-          "all pixels of a series depends on their light (series), or from each pixel's own "
-          "scatter (pixel)")
+      .add_option("--noise", a->noise,
+                  "Errors from gain and read noise (sensor), from scatter against light in a "
+                  "series (series), or from each pixel's scatter (pixel)")
       ->check(one_of({"sensor", "series", "pixel"}))
       ->option_text("SOURCE");
   command
-      .add_option(
-          "--radiometry", a->radiometry,
-          "What a count stands for, from calibrate radiometry; may be repeated, for several "
-          "channels")
+      .add_option("--radiometry", a->radiometry,
+                  "Energy of a count, from calibrate radiometry; repeatable for several channels")
       ->option_text("FILE.toml")
       ->allow_extra_args(false);
   command.add_option("--window", a->window, "Part of the sensor that the pictures hold (all)")

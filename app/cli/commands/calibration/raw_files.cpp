@@ -39,10 +39,9 @@ void add_raw_file_options(CLI::App& command, RawFileOptions& options) {
                   "Columns and rows of files that hold numbers without a header")
       ->option_text("WxH");
   command
-      .add_option(
-          "--bits", options.bits,
-          "Bits that a number of the sensor has: of headerless files up to 8 take one byte, "
-          "more take two; elsewhere, of 12 bits in 16 (those of the file)")
+      .add_option("--bits", options.bits,
+                  "Bits of a number, e.g. 12 in 16 (those of the file); in headerless files up to "
+                  "8 take one byte, more take two")
       ->check(CLI::Range(1, 16))
       ->option_text("N");
   command
@@ -54,8 +53,7 @@ void add_raw_file_options(CLI::App& command, RawFileOptions& options) {
       ->option_text("N");
   command
       .add_option("--shift", options.shift,
-                  "Bits by which the file's numbers are too large, e.g. 4 for 12 bits at the top "
-                  "of 16 (0)")
+                  "Bits by which numbers are too large, e.g. 4 for 12 bits at the top of 16 (0)")
       ->check(CLI::Range(0, 15))
       ->option_text("N");
   command

@@ -155,20 +155,18 @@ void register_compare(const Registry& registry) {
       "plenoflame compare fast.exr converged.exr --limit 1%");
   command.add_option("A", settings->a, "Light field (.exr) to judge")->required();
   command
-      .add_option("REFERENCE", settings->reference,
-                  "Light field (.exr) to compare with; a pixel is lit if the mean of both is above "
-                  "1 % of its largest value")
+      .add_option(
+          "REFERENCE", settings->reference,
+          "Light field (.exr) to compare with; pixels above 1 % of the largest value are lit")
       ->required();
   command.add_option("--channel", settings->channel, "Channel; without it, the reference's first")
       ->option_text("NAME");
   command
       .add_option("--limit", settings->limit,
-                  "Fail (status 1) when the relative RMSE, sqrt(mean((A - REFERENCE)^2)) / "
-                  "mean(REFERENCE) over lit pixels, exceeds this, e.g. 1%")
+                  "Fail (status 1) when the relative RMSE over lit pixels exceeds this, e.g. 1%")
       ->option_text("SHARE");
   command.add_flag("--by-lens", settings->lenses.wanted,
-                   "For a measured A and a simulated REFERENCE: subpixel shift and gain of A, "
-                   "overall and for each micro-image");
+                   "Subpixel shift and gain of A, overall and for each micro-image");
   command
       .add_option("--lenses", settings->lenses.csv,
                   "Like --by-lens, with a table of all micro-images: gain, shift and residual")

@@ -142,29 +142,28 @@ void register_develop(const Registry& registry) {
       ->option_text("FILE");
   command
       .add_option("--saturation", settings->saturation,
-                  "Flux per pixel that gives the largest digital number, e.g. \"5000 nW\", or "
-                  "auto: 99.9 % of the pixels with light do not exceed it; without it, the value "
-                  "of the scene, else auto")
+                  "Flux per pixel of the largest digital number, e.g. \"5000 nW\", or auto: 99.9 % "
+                  "of the pixels with light are below; without it, the scene's, else auto")
       ->option_text("FLUX");
   command
       .add_option("--bits", settings->bits,
-                  "Bits of the sensor, 1 to 16; without it, the value of the scene, else 14")
+                  "Bits of the sensor, 1 to 16; without it, the scene's, else 14")
       ->check(CLI::Range(1, 16))
       ->option_text("N");
   command
       .add_option("--curve", settings->curve,
-                  "linear: samples are digital numbers in the upper bits; display: transfer "
-                  "function of sRGB; without it, the curve of the scene, else display")
+                  "linear: digital numbers in the upper bits; display: transfer function of sRGB; "
+                  "without it, the scene's, else display")
       ->check(one_of({"linear", "display"}))
       ->option_text("CURVE");
   command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")
       ->option_text("NAME");
   command.add_flag("--colour", settings->colour,
-                   "Write a colour picture (8 bits, sRGB) from the channels with responses cie_x, "
-                   "cie_y, cie_z, else from the first three as red, green, blue");
+                   "Colour picture (8 bits, sRGB) from channels with responses cie_x, cie_y, "
+                   "cie_z, else from the first three as red, green, blue");
   command.add_flag("--sensor", settings->sensor.sensor,
-                   "Write frames as the scene's camera.sensor records them: .png and .tif hold "
-                   "digital numbers as they are, .exr electrons of all channels");
+                   "Frames of camera.sensor: .png and .tif hold digital numbers, .exr electrons of "
+                   "all channels");
   command
       .add_option("--exposure", settings->sensor.exposures,
                   "Exposure time, or several for a series: \"1 ms,4 ms\"; auto: 99.9 % of the "
@@ -172,9 +171,9 @@ void register_develop(const Registry& registry) {
       ->delimiter(',')
       ->option_text("TIME");
   command
-      .add_option("--channel-exposure", settings->sensor.each,
-                  "Exposure of each channel, as with a filter wheel: \"650nm=4 ms,850nm=auto\"; "
-                  "auto alone: all of them automatic")
+      .add_option(
+          "--channel-exposure", settings->sensor.each,
+          "Exposure of each channel: \"650nm=4 ms,850nm=auto\"; auto: all of them automatic")
       ->delimiter(',')
       ->option_text("NAME=TIME");
   command
@@ -185,9 +184,7 @@ void register_develop(const Registry& registry) {
       ->option_text("LIST");
   command.add_option("--noise-seed", settings->sensor.noise_seed, "Seed of noise and defects")
       ->option_text("N");
-  command
-      .add_option("--frames", settings->sensor.frames,
-                  "Number of frames, each with its own noise (1)")
+  command.add_option("--frames", settings->sensor.frames, "Frames, each with its own noise (1)")
       ->check(CLI::Range(1, 10000))
       ->option_text("N");
   command.add_flag("--dark", settings->sensor.dark, "Record dark frames, without light");

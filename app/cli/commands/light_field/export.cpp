@@ -104,7 +104,7 @@ void register_export(const Registry& registry) {
   auto settings = std::make_shared<ExportArguments>();
   CLI::App& command = add_command(registry, "export", "Export a light field for other tools",
                                   "plenoflame export flame.exr --format hci -o flame-hci");
-  add_raw_input(command, settings->raw, "Folder for the files; made when missing");
+  add_raw_input(command, settings->raw, "Folder for the files");
   std::string about = "Format of a tool:";
   std::vector<std::string> names;
   for (const ExportName& format : export_formats()) {
@@ -116,27 +116,25 @@ void register_export(const Registry& registry) {
       ->required()
       ->check(one_of(names))
       ->option_text("NAME");
-  command
-      .add_option("--name", settings->name, "Stem of the file names; without it, the stem of RAW")
+  command.add_option("--name", settings->name, "Stem of the file names (that of RAW)")
       ->option_text("STEM");
   command
-      .add_option("--grid", settings->grid,
-                  "Views along each side, 1 to 99, for formats of views; without it, as the tool "
-                  "expects (hci 9, eslf 14)")
+      .add_option(
+          "--grid", settings->grid,
+          "Views along each side, 1 to 99; without it, as the tool expects (hci 9, eslf 14)")
       ->check(CLI::Range(1, 99))
       ->option_text("N");
   command
-      .add_option("--channels", settings->channels,
-                  "Red, green and blue of the pictures; without it, the scene's colour channels, "
-                  "if any and if the tool has colour; grey with --channel")
+      .add_option(
+          "--channels", settings->channels,
+          "Red, green and blue; without it, the scene's colour channels; grey with --channel")
       ->delimiter(',')
       ->option_text("R,G,B");
   add_view_options(command, settings->views);
   command
       .add_option(
           "--saturation", settings->saturation,
-          "Flux per pixel that is white in pictures of the raw image; without it, 99.9 % of "
-          "the pixels with light are not saturated")
+          "Flux per pixel that is white; without it, 99.9 % of the pixels with light are below")
       ->option_text("FLUX");
   add_raw_options(command, settings->raw);
   on_chosen(command, registry,

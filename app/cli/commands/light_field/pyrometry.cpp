@@ -288,8 +288,7 @@ void register_pyrometry(const Registry& registry) {
       ->check(written())
       ->option_text("FILE.exr");
   command
-      .add_option("--picture", settings->picture,
-                  "Temperature in false colours, with a colour bar at the right")
+      .add_option("--picture", settings->picture, "Temperature in false colours, with a colour bar")
       ->check(written())
       ->option_text("FILE.png");
   command
@@ -298,14 +297,14 @@ void register_pyrometry(const Registry& registry) {
       ->check(written())
       ->option_text("FILE.png");
   command
-      .add_option("--reference", settings->reference,
-                  "Light field of the same pixels without noise, or with less; the differences to "
-                  "its temperatures, bin by bin, are reported")
+      .add_option(
+          "--reference", settings->reference,
+          "Light field of the same pixels with less noise or none, to compare temperatures with")
       ->option_text("FILE.exr");
   command
       .add_option("--range", settings->range,
-                  "Temperatures of the darkest and the brightest colour, \"1400 K,2000 K\"; "
-                  "without it, the lowest and the highest")
+                  "Temperatures of the darkest and brightest colour, \"1400 K,2000 K\"; without "
+                  "it, lowest and highest")
       ->option_text("T,T");
   command
       .add_option("--channels", settings->channels, "The two channels; without it, the first two")
@@ -313,13 +312,13 @@ void register_pyrometry(const Registry& registry) {
       ->option_text("A,B");
   command
       .add_option("--filters", settings->filters,
-                  "Take the two colours from two camera.pupil_filters, by name, in one channel")
+                  "Two camera.pupil_filters, by name, in place of two channels")
       ->delimiter(',')
       ->option_text("A,B");
   command
       .add_option("--law", settings->law,
-                  "How absorption depends on wavelength: grey, soot (1/wavelength) or power; "
-                  "without it, the law of the scene's flames")
+                  "Absorption against wavelength: grey, soot (1/wavelength) or power; without it, "
+                  "that of the scene's flames")
       ->check(one_of({"grey", "soot", "power"}))
       ->option_text("LAW");
   command
@@ -329,19 +328,17 @@ void register_pyrometry(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--threshold", settings->threshold,
-                  "Pixels below this share of the largest value have no temperature (0.01)")
+                  "Least share of the largest value that gives a temperature (0.01)")
       ->check(number_between(0.0, 1.0))
       ->option_text("SHARE");
   command
-      .add_option(
-          "--least-signal", settings->least_signal,
-          "Pixels or bins whose light is below N of its standard errors have no temperature (2)")
+      .add_option("--least-signal", settings->least_signal,
+                  "Least light that gives a temperature, in its standard errors (2)")
       ->check(number_between(0.0, 1e6))
       ->option_text("N");
   command
       .add_option("--bin", settings->bin,
-                  "Pixels that are added up before the ratio: N for blocks of N x N, micro-image, "
-                  "or view: the cells of --cells within each micro-image")
+                  "Pixels that are added before the ratio, as in reconstruct")
       ->option_text("N|micro-image|view");
   command
       .add_option("--cells", settings->cells,

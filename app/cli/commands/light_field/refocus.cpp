@@ -129,7 +129,7 @@ void register_refocus(const Registry& registry) {
   CLI::App& command = add_command(registry, "refocus",
                                   "Refocus a light field to other distances, after the exposure",
                                   "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
-  add_raw_input(command, settings->raw, "Folder for the pictures; made when missing");
+  add_raw_input(command, settings->raw, "Folder for the pictures");
   command
       .add_option("--depth", settings->depth,
                   "Distance from the front of the main lens, e.g. \"1 m\"")
@@ -143,15 +143,14 @@ void register_refocus(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--aperture", settings->aperture,
-                  "Diameter of the synthetic aperture over that of the main lens, above 0 to 1 (1)")
+                  "Synthetic aperture over the main lens' diameter, above 0 to 1 (1)")
       ->check(number_between(1e-3, 1.0))
       ->option_text("A");
   command.add_flag("--all-in-focus", settings->all_in_focus,
-                   "With --depths: the picture that is sharp everywhere, all_in_focus.png, and the "
-                   "depth map of an opaque scene, depth.exr and depth.png");
+                   "With --depths: all_in_focus.png, sharp everywhere, and the depth map of an "
+                   "opaque scene, depth.exr and depth.png");
   command.add_flag("--all-types", settings->all_types,
-                   "Use all types of microlenses equally; without it, weight each by its sharpness "
-                   "at the depth");
+                   "Use all types of microlenses equally, in place of weights by sharpness");
   command.add_flag("--exr", settings->exr, "Write radiances as EXR as well");
   add_raw_options(command, settings->raw);
   on_chosen(command, registry,

@@ -102,28 +102,26 @@ void register_views(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "views", "Make sub-aperture views: the scene as seen from points of the main lens",
       "plenoflame views flame.exr -o views --grid 5");
-  add_raw_input(command, settings->raw, "Folder for contact.png and the views; made when missing");
+  add_raw_input(command, settings->raw, "Folder for contact.png and the views");
   command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
       ->check(CLI::Range(1, 99))
       ->option_text("N");
   add_view_options(command, settings->views);
   command
       .add_option("--type", settings->type,
-                  "Use only microlenses of this type, by its name in the scene; without it, all")
+                  "Only microlenses of this type, by name; without it, all")
       ->option_text("NAME");
   command
-      .add_option("--epipolar-row", settings->epipolar_row,
-                  "Write the epipolar slice of this row of the views, too")
+      .add_option("--epipolar-row", settings->epipolar_row, "Also the epipolar slice of this row")
       ->check(CLI::Range(0, 100000))
       ->option_text("ROW");
   command
       .add_option("--epipolar-column", settings->epipolar_column,
-                  "Write the epipolar slice of this column of the views, too")
+                  "Also the epipolar slice of this column")
       ->check(CLI::Range(0, 100000))
       ->option_text("COLUMN");
-  command.add_flag(
-      "--raw-flux", settings->raw_flux,
-      "Write the flux per pixel as recorded; without it, radiances with vignetting corrected");
+  command.add_flag("--raw-flux", settings->raw_flux,
+                   "Flux per pixel as recorded, in place of radiances with vignetting corrected");
   command.add_flag("--exr", settings->exr, "Write the views as EXR as well");
   command.add_flag("--sheet-only", settings->sheet_only,
                    "Write the contact sheet, not the single views");

@@ -17,16 +17,13 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   add_cameras_option(command, arguments.cameras);
   command
       .add_option("-o,--output", arguments.output,
-                  "Sparse rows: .npz for scipy.sparse.load_npz, .h5, or .mtx (MatrixMarket); "
-                  "A times samples is the flux of each row [W]")
+                  "Sparse rows: .npz (scipy.sparse.load_npz), .h5, or .mtx (MatrixMarket)")
       ->check(written())
       ->required()
       ->option_text("FILE");
   command
       .add_option("--pixels", arguments.pixels,
-                  "Which pixel each row is (the first one of its block or cell); pixels that do "
-                  "not see the "
-                  "grid have no row")
+                  "Pixel of each row (the first of its block or cell)")
       ->check(written())
       ->option_text("FILE.csv");
   command.add_option("--places", arguments.places, "Place and volume of each unknown [m, m^3]")
@@ -35,7 +32,7 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   add_unknowns_options(command, arguments.unknowns);
   command
       .add_option("--channel", arguments.channel,
-                  "Channel whose wavelengths the rays have; without it, the first")
+                  "Channel of the rays' wavelengths; without it, the first")
       ->option_text("NAME");
   command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
       ->option_text("N");
@@ -43,10 +40,8 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's)")
       ->option_text("N");
   command
-      .add_option(
-          "--form", arguments.form,
-          "Rays are kept (rays), or drawn a part at a time (drawn), where their number takes "
-          "no memory. auto: kept where the machine has memory for them (auto)")
+      .add_option("--form", arguments.form,
+                  "rays: kept in memory; drawn: a part at a time; auto: kept if they fit (auto)")
       ->check(one_of({"auto", "rays", "drawn"}))
       ->option_text("FORM");
   add_bundles_option(command, arguments.compiled);

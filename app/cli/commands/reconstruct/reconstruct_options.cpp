@@ -22,63 +22,54 @@ namespace {
 void add_problem_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("--find", arguments.find,
-                  "emission: the temperature follows where the absorption is known; temperature: "
-                  "with known absorption, on the renderer's own formulas; both: temperature and "
-                  "absorption, from two channels (emission)")
+                  "emission; temperature, with known absorption; both: temperature and absorption, "
+                  "from two channels (emission)")
       ->check(one_of({"emission", "temperature", "both"}))
       ->option_text("WHAT");
   add_unknowns_options(command, arguments.unknowns);
   command
       .add_option("--channel", arguments.channel,
-                  "Channel that is reconstructed; for both, two or more with commas between; "
-                  "without it, the pictures' first ones")
+                  "Channel that is reconstructed; for both, two or more with commas between (the "
+                  "pictures' first)")
       ->option_text("NAME");
   command
-      .add_option(
-          "--absorption-error", arguments.absorption_error,
-          "Relative standard deviation of --absorption, alike everywhere: 0.1 for 10 %; the "
-          "deviations of the flame hold it (0)")
+      .add_option("--absorption-error", arguments.absorption_error,
+                  "Relative standard deviation of --absorption, alike everywhere: 0.1 for 10 % (0)")
       ->check(number_between(0.0, 1.0))
       ->option_text("SHARE");
   command
       .add_option("--absorption-ratios", arguments.ratio,
-                  "For both: absorption of the second channel, the third, ... over that of the "
-                  "first; without it, that of soot, in inverse proportion to the wavelengths")
+                  "For both: absorption of the further channels over that of the first (soot: "
+                  "inverse to the wavelengths)")
       ->option_text("R[,R]");
   command
       .add_option(
           "--noise", arguments.noise,
-          "Standard deviation that is added to each pixel's own, as a share of the largest value: "
-          "for pictures that state none (0)")
+          "Standard deviation added to each pixel's own, as a share of the largest value (0)")
       ->check(number_between(0.0, 1.0))
       ->option_text("SHARE");
   command
       .add_option("--support", arguments.support,
                   "Nothing is where this file's first grid is 0 (.vdb)")
       ->option_text("FILE.vdb");
-  command.add_flag("--all-voxels", arguments.all,
-                   "Solve also for what lies behind dark pixels, which is taken for empty "
-                   "otherwise");
+  command.add_flag("--all-voxels", arguments.all, "Solve also for places behind dark pixels");
 }
 
 void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("--solver", arguments.solver,
-                  "Least squares without negative values: fista, nnls (active sets, few "
-                  "unknowns), cgls or lsqr (negative values cut off). "
-                  "Without a penalty, stopped by the noise: sirt, sart, mlem, osem, mart (fista)")
+                  "With a penalty: fista, nnls (few unknowns), cgls or lsqr. Without, stopped by "
+                  "the noise: sirt, sart, mlem, osem, mart (fista)")
       ->check(one_of(reconstruction_solvers()))
       ->option_text("NAME");
   command
       .add_option("--smoothing", arguments.smoothing,
-                  "Weight of the penalty, which is on second differences, along each axis of the "
-                  "unknowns, e.g. 3,1,1 where depth "
+                  "Weight of the penalty along each axis of the unknowns, e.g. 3,1,1 where depth "
                   "is x (1,1,1)")
       ->option_text("A[,B,C]");
   command
       .add_option("--strength", arguments.strength,
-                  "Of the penalty, relative to the pictures' information; 0: none; without it, by "
-                  "cross-validation")
+                  "Of the penalty; 0: none; without it, by cross-validation")
       ->check(number_between(0.0, 1e12))
       ->option_text("NUMBER");
   command.add_option("--iterations", arguments.iterations, "At most, of the last solution (300)")
@@ -92,14 +83,13 @@ void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
       ->option_text("NUMBER");
   command
       .add_option("--prior", arguments.prior,
-                  "The penalty pulls towards the emission of this earlier result (.vdb)")
+                  "The penalty pulls towards the emission of this earlier result")
       ->option_text("FILE.vdb");
-  command.add_option("--start", arguments.start, "Begin with this earlier result (.vdb)")
+  command.add_option("--start", arguments.start, "Begin with this earlier result")
       ->option_text("FILE.vdb");
   command
       .add_option("--resume", arguments.resume,
-                  "Go on from this result of the same command that was stopped: begin with it and "
-                  "keep its strength (.vdb)")
+                  "Go on from this result of the same command that was stopped, with its strength")
       ->check(continued())
       ->option_text("FILE.vdb");
 }
@@ -108,38 +98,30 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
   command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
       ->option_text("N");
   add_rows_options(command, arguments.bin, arguments.cells);
-  command
-      .add_option("--draws", arguments.draws,
-                  "Draws of flames that explain the pictures as well, for the standard deviations; "
-                  "0: none (30)")
+  command.add_option("--draws", arguments.draws, "Draws for the standard deviations; 0: none (30)")
       ->option_text("N");
   command
       .add_option("--probes", arguments.probes, "Random vectors for what is resolved; 0: none (16)")
       ->option_text("N");
   command
       .add_option("--spread", arguments.spreads,
-                  "Tell how wide a point at this place becomes; may be given more than once")
+                  "Tell how wide a point at this place becomes; repeatable")
       ->option_text("X,Y,Z");
   command
       .add_option("--refine", arguments.refine,
-                  "Correct what the pictures say is wrong: exposure, pose (place of a camera, and "
-                  "its turn about the line of sight), focus, axis (of rings); with commas between")
+                  "Correct what the pictures say is wrong: exposure, pose (place and turn about "
+                  "the line of sight), focus, axis (of rings)")
       ->option_text("WHAT[,...]");
   command
-      .add_option("--refined", arguments.refined_scenes,
-                  "Scenes with the refined cameras, one for each of SCENES (.toml)")
+      .add_option("--refined", arguments.refined_scenes, "Scenes with the refined cameras (.toml)")
       ->check(written())
       ->option_text("FILE.toml ...");
-  command
-      .add_option("--memory", arguments.memory,
-                  "For a stored matrix [MB]; where it does not suffice rays are followed again in "
-                  "each iteration (2000)")
+  command.add_option("--memory", arguments.memory, "Most memory of the matrix [MB] (2000)")
       ->option_text("N");
   command
       .add_option("--form", arguments.form,
-                  "What is kept: the matrix; its rays, which each iteration follows again; or "
-                  "nothing (drawn): each iteration draws the rays again, whose number takes no "
-                  "memory. auto: the first that --memory and the machine have room for (auto)")
+                  "Kept in memory: matrix; rays, followed in each iteration; drawn: nothing, each "
+                  "iteration draws the rays again; auto: the first that fits (auto)")
       ->check(one_of({"auto", "matrix", "rays", "drawn"}))
       ->option_text("FORM");
 }
@@ -149,22 +131,19 @@ void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
 void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
   command
       .add_option("SCENES", arguments.scenes,
-                  "Scene files (.toml), one for each camera, or one with several; their flames are "
-                  "not needed")
+                  "Scene files (.toml), one for each camera, or one with several")
       ->required();
   add_set_option(command, arguments.set);
   add_cameras_option(command, arguments.cameras);
   command
       .add_option("--images", arguments.images,
-                  "The pictures (.exr): light fields of render, or electrons of develop, in the "
-                  "order of the cameras; for a series all frames of the first camera, then of the "
-                  "second, ...")
+                  "Light fields of render, or electrons of develop, in the order of the cameras; "
+                  "for a series all frames of the first camera, then of the second, ...")
       ->required()
       ->option_text("FILE.exr ...");
   command
       .add_option("-o,--output", arguments.output,
-                  "Grids of temperature, emission, their deviations, and what is resolved; of a "
-                  "series FILE-0001.vdb, ...")
+                  "Grids of temperature, emission and deviations; of a series FILE-0001.vdb, ...")
       ->check(written())
       ->required()
       ->option_text("FILE.vdb");
@@ -173,17 +152,16 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
   add_numbers(command, arguments);
   command
       .add_option("--residual", arguments.residuals,
-                  "What the flame does not explain of each picture, and what it does, as layers")
+                  "Residual of each picture, and the light that the flame explains, as layers")
       ->check(written())
       ->option_text("FILE.exr ...");
   command
-      .add_option("--report", arguments.reports,
-                  "The figures with the history: .json, .txt, or .html with pictures and plots; "
-                  "may be given more than once")
+      .add_option(
+          "--report", arguments.reports,
+          "Report with the history: .json, .txt, or .html with pictures and plots; repeatable")
       ->check(written())
       ->option_text("FILE");
-  command.add_flag("--truth", arguments.truth,
-                   "Compare with the first scene's flames, of which the pictures are renderings");
+  command.add_flag("--truth", arguments.truth, "Compare with the first scene's flames");
   command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))
       ->option_text("N");

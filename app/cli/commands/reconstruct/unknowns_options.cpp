@@ -20,13 +20,12 @@ void add_unknowns_options(CLI::App& command, UnknownsRequest& arguments) {
       ->option_text("N[,N,N]");
   command
       .add_option("--center", arguments.centre,
-                  "Middle of the block of space that is solved for, \"1 m, 0 m, 5 mm\"; without "
-                  "it, that of the scene's flames")
+                  "Middle of the block, \"1 m, 0 m, 5 mm\"; without it, that of the scene's flames")
       ->option_text("X,Y,Z");
   command
       .add_option("--size", arguments.size,
-                  "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames; "
-                  "reconstruct takes them from the pictures where these cut the flame (auto)")
+                  "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames, or by "
+                  "the pictures (auto)")
       ->option_text("X,Y,Z");
   command
       .add_option("--axis", arguments.axis,
@@ -38,16 +37,16 @@ void add_unknowns_options(CLI::App& command, UnknownsRequest& arguments) {
       ->option_text("KIND");
   command
       .add_option("--absorption", arguments.absorption,
-                  "What is known of it: none (the emission is found, and no temperature), a value "
-                  "like \"8 1/m\" everywhere, or scene: that of the scene's flames (none)")
+                  "Known absorption: none (no temperature is found), a value like \"8 1/m\" "
+                  "everywhere, or scene: that of the scene's flames (none)")
       ->option_text("WHICH");
 }
 
 void add_rows_options(CLI::App& command, std::string& bin, std::string& cells) {
   command
       .add_option("--bin", bin,
-                  "Pixels that are put together into a row: N for blocks of N x N, micro-image, or "
-                  "view: the cells of --cells within each micro-image (1)")
+                  "Pixels of a row: N for blocks of N x N, micro-image, or view: the cells of "
+                  "--cells within each micro-image (1)")
       ->option_text("N|micro-image|view");
   command.add_option("--cells", cells, "Of --bin view: parts of a micro-image along each side (3)")
       ->option_text("N");

@@ -233,10 +233,8 @@ int run_bench(const Arguments& arguments, const std::stop_token& stop) {
 
 void register_bench(const Registry& registry) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App& command = add_command(
-      registry, "bench", "Measure error against run time",
-      "plenoflame bench examples/lenslets-30.toml -o lenslets\n"
-      "plenoflame bench examples/paper-flame-1m.toml --window 1400,1400,200,200 --samples 4,16,64");
+  CLI::App& command = add_command(registry, "bench", "Measure error against run time",
+                                  "plenoflame bench examples/lenslets-30.toml -o lenslets");
   Arguments& a = *arguments;
   command.add_option("SCENE", a.scene, "Scene file (.toml)")->required();
   add_set_option(command, a.set);
@@ -272,11 +270,9 @@ void register_bench(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--cache", a.cache,
-                  "Folder in which the reference is kept (plenoflame in the user's cache folder)")
+                  "Folder of the reference (plenoflame in the user's cache folder)")
       ->option_text("DIR");
-  command
-      .add_option("--compare", a.compare,
-                  "Compare time, memory and error with this earlier run (.json)")
+  command.add_option("--compare", a.compare, "Earlier run to compare with (.json)")
       ->option_text("FILE");
   command.add_flag("--quiet", a.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", a.json, "Print the figures as JSON");

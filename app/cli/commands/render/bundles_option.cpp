@@ -13,8 +13,7 @@ namespace plenoflame::cli {
 void add_bundles_option(CLI::App& command, std::vector<std::string>& names) {
   command
       .add_option("--compiled", names,
-                  "Compiled rays from `plenoflame compile`, one file per camera, in place of "
-                  "--rays and --seed")
+                  "Compiled cameras, one file each, in place of --rays and --seed")
       ->option_text("FILE.bundle ...")
       ->excludes("--rays")
       ->excludes("--seed");

@@ -107,8 +107,8 @@ void register_compile(const Registry& registry) {
       ->option_text("FILE.bundle");
   command
       .add_option("--error", arguments->error,
-                  "Target error of pictures of a layered flame, as relative RMSE over lit pixels; "
-                  "smoother flames have a smaller error (0.5%)")
+                  "Relative RMSE over lit pixels, for a layered flame; smoother flames have a "
+                  "smaller error (0.5%)")
       ->option_text("SHARE");
   command
       .add_option("--window", arguments->window,
@@ -116,16 +116,16 @@ void register_compile(const Registry& registry) {
       ->option_text("X,Y,W,H");
   command
       .add_option("--region", arguments->region,
-                  "Box of the world in which all flames will be, two corners with units, e.g. "
-                  "\"0.9m,-5cm,-5cm:1.1m,5cm,5cm\" (around the flames of the scene)")
+                  "Box of all flames, two corners, e.g. \"0.9m,-5cm,-5cm:1.1m,5cm,5cm\" (around "
+                  "the flames of the scene)")
       ->option_text("X,Y,Z:X,Y,Z");
   command
       .add_option("--margin", arguments->margin,
-                  "Length by which the region grows on all sides, as room for larger flames (0)")
+                  "Room for larger flames on all sides of the region (0)")
       ->option_text("LENGTH");
   command
       .add_option("--samples", arguments->samples,
-                  "Rays per pixel and microlens to choose from (as --error needs)")
+                  "Rays to choose from, per pixel and microlens (as --error needs)")
       ->option_text("N");
   command
       .add_option(

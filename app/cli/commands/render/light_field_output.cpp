@@ -75,8 +75,8 @@ void add_view_options(CLI::App& command, ViewArguments& arguments) {
   for (const auto& entry : view_resamplings()) names.push_back(entry.first);
   command
       .add_option("--resampling", arguments.resampling,
-                  "Resampling from microlenses to square pixels: barycentric, nearest, or the "
-                  "paper's kernels paper9 and paper10, for hexagonal arrays (barycentric)")
+                  "Resampling from microlenses to square pixels: barycentric, nearest, paper9 or "
+                  "paper10, for hexagonal arrays (barycentric)")
       ->check(one_of(names))
       ->option_text("NAME");
 }

@@ -31,39 +31,36 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   add_set_option(command, options.set);
   command
       .add_option("-o,--output", options.output,
-                  "Light field to write (.exr); without it, the file of --resume, or SCENE's name "
-                  "in the current folder. Several cameras get one file each: OUT-NAME.exr")
+                  "Light field (.exr); without it, the file of --resume, or SCENE's name. Several "
+                  "cameras get one file each: OUT-NAME.exr")
       ->check(written())
       ->check([](const std::string& file) {
         return file.empty() ? std::string("the name of the file is empty") : std::string();
       })
       ->option_text("FILE");
   add_cameras_option(command, options.cameras);
-  auto* const frames =
-      command
-          .add_option("--frames", arguments.frames,
-                      "Frames A to B of flames that change with time, one file each: OUT.0007.exr; "
-                      "with --resume OUT.exr, finished frames are skipped")
-          ->option_text("A:B[:STEP]");
+  auto* const frames = command
+                           .add_option("--frames", arguments.frames,
+                                       "Frames A to B, one file each: OUT.0007.exr; with --resume "
+                                       "OUT.exr, finished frames are skipped")
+                           ->option_text("A:B[:STEP]");
   command
       .add_option("--time", arguments.time,
-                  "Time between the first frame and the beginning of the exposure, e.g. 2.5ms; "
-                  "without --time and --frames, the first frame")
+                  "Time from the first frame to the exposure, e.g. 2.5ms; without --time and "
+                  "--frames, the first frame")
       ->excludes(frames)
       ->option_text("TIME");
   command
       .add_option("--samples", arguments.samples,
-                  "Rays per pixel and microlens (forward: energy bundles in total, default 1e6); "
-                  "an upper limit with --target-error or --time-limit")
+                  "Rays per pixel and microlens (forward: energy bundles, default 1e6); an upper "
+                  "limit with --target-error or --time-limit")
       ->option_text("N");
   command
-      .add_option("--target-error", arguments.target_error,
-                  "Stop when the relative RMSE over lit pixels is below this with 95 % confidence, "
-                  "e.g. 1%")
+      .add_option(
+          "--target-error", arguments.target_error,
+          "Stop when the relative RMSE over lit pixels is below this (95 % confidence), e.g. 1%")
       ->option_text("SHARE");
-  command
-      .add_option("--time-limit", arguments.time_limit,
-                  "Stop after this time, with unit, e.g. 60s, 5min")
+  command.add_option("--time-limit", arguments.time_limit, "Stop after this time, e.g. 60s, 5min")
       ->option_text("TIME");
   command
       .add_option("--estimator", arguments.estimator,
@@ -74,11 +71,7 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 4096))
       ->option_text("N");
-  command
-      .add_option("--seed", arguments.seed,
-                  "Seed of the random numbers; the same seed gives the same image with any number "
-                  "of threads")
-      ->option_text("N");
+  command.add_option("--seed", arguments.seed, "Seed of the random numbers")->option_text("N");
   command
       .add_option("--window", arguments.window,
                   "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
@@ -88,14 +81,11 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
                   "them to exactly the whole picture");
   command
       .add_option("--checkpoint", arguments.checkpoint,
-                  "Save the state of the run to OUT.exr.state at least this often, e.g. 5min "
-                  "(60s); a crash loses no more work than that")
+                  "Save the state of the run to OUT.exr.state at least this often, e.g. 5min (60s)")
       ->option_text("TIME");
   command
       .add_option("--resume", options.resume,
-                  "Continue the stopped run that writes this light field (.exr); FILE.state holds "
-                  "its scene and options. To extend a complete light field, add --samples, "
-                  "--target-error, --time-limit or --truth")
+                  "Continue the stopped run of this light field (.exr), or extend a complete one")
       ->check(continued())
       ->option_text("FILE");
   command
@@ -104,32 +94,30 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       ->check(written())
       ->option_text("FILE");
   command
-      .add_option("--compression", options.compression,
-                  "Lossless compression of the light field: rle (quick), zip (some percent "
-                  "smaller), piz or none (rle)")
+      .add_option(
+          "--compression", options.compression,
+          "Lossless compression: rle (quick), zip (some percent smaller), piz or none (rle)")
       ->check(one_of({"none", "rle", "zip", "piz"}))
       ->option_text("NAME");
   command.add_flag("--truth", options.truth,
-                   "Add layers of ground truth along each pixel's chief ray: optical depth, mean "
-                   "distance and temperature of the visible flame, first and last absorbing point, "
-                   "solid surface and its distance");
-  command.add_flag("--no-skip{false}", options.skip,
-                   "Skip nothing: follow all rays and steps, also those that cannot change the "
-                   "picture (for comparison)");
-  command.add_flag("--no-control-variate{false}", options.control_variate,
-                   "Integrate every ray through a grid, without the table of radiance as control "
-                   "variate (for comparison)");
+                   "Add layers of ground truth along each pixel's chief ray: optical depth, "
+                   "distances, temperature, solid surface");
+  command.add_flag(
+      "--no-skip{false}", options.skip,
+      "Follow all rays and steps, also those that cannot change the picture (for comparison)");
+  command.add_flag(
+      "--no-control-variate{false}", options.control_variate,
+      "Integrate every ray through a grid, without the table of radiance (for comparison)");
   command
       .add_option("--compiled", options.compiled,
                   "Use the rays that `plenoflame compile` found for the camera, in their number "
                   "and with their seed")
       ->option_text("FILE.bundle");
   command.add_flag("--white", options.white,
-                   "Render a white image: 1 W/(m^2 sr) from all directions in place of the flames");
+                   "White image: 1 W/(m^2 sr) from all directions in place of the flames");
   command
       .add_option("--f-numbers", arguments.f_numbers,
-                  "With --white: f-numbers such as 4,5.6,8 to which the stop is narrowed, one file "
-                  "each (OUT-f4.exr)")
+                  "With --white: f-numbers such as 4,5.6,8, one file each (OUT-f4.exr)")
       ->option_text("LIST");
   command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", options.json, "Print the figures as JSON");

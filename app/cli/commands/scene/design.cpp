@@ -171,8 +171,8 @@ void register_design(const Registry& registry) {
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   command
       .add_option("--plots", settings->plots,
-                  "Folder for plots: effective resolution against distance, spots, microlenses; of "
-                  "a lens: spots, ray fans, field curvature, distortion, vignetting")
+                  "Folder for plots: effective resolution, spots, microlenses; of a lens: spots, "
+                  "ray fans, field curvature, distortion, vignetting")
       ->check(written())
       ->option_text("DIR");
   command.add_option("--format", settings->format, "Format of the plots")
@@ -181,8 +181,8 @@ void register_design(const Registry& registry) {
       ->capture_default_str();
   command
       .add_option("--solve", settings->array.freedom,
-                  "Find more microlens types whose depths of field continue that of the first; "
-                  "their index, face radius or thickness varies")
+                  "Find more microlens types that continue the depth of field of the first, by "
+                  "this quantity")
       ->option_text("index|radius|thickness")
       ->check(one_of({"index", "radius", "thickness"}));
   command.add_option("--types", settings->array.types, "With --solve: number of types")
@@ -204,18 +204,17 @@ void register_design(const Registry& registry) {
   text_option("--greatest-thickness", settings->array.greatest_thickness, "LENGTH",
               "With --solve: greatest thickness of a microlens");
   text_option("-o,--output", settings->array.output, "FILE.toml",
-              "With --solve: scene file with the types found; of a lens: its prescription (.toml)")
+              "Scene with the types of --solve, or the prescription of a lens (.toml)")
       ->check(written());
   text_option("--field", settings->lens.field, "ANGLE",
-              "Of a lens: greatest field angle; without it, the angle at which a tenth of the "
-              "light passes, at most 45 deg");
+              "Of a lens: greatest field angle; without it, where a tenth of the light passes, at "
+              "most 45 deg");
   text_option("--distance", settings->lens.distance, "LENGTH",
               "Of a lens: object distance from the first vertex (infinite)");
   text_option("--wavelength", settings->lens.wavelength, "LENGTH",
               "Of a lens: vacuum wavelength (587.6 nm)");
-  command.add_flag(
-      "--paraxial-focus", settings->lens.paraxial_focus,
-      "Of a lens: put the image plane at the paraxial focus, in place of the smallest spot");
+  command.add_flag("--paraxial-focus", settings->lens.paraxial_focus,
+                   "Of a lens: image plane at the paraxial focus, not at the smallest spot");
   on_chosen(command, registry, [settings] { return run_design(*settings); });
 }
 

@@ -192,8 +192,7 @@ void register_flame(const Registry& registry) {
       ->option_text("FILE");
   command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"")
       ->option_text("LENGTH");
-  command.add_flag("--half", s->half,
-                   "Store values with 16 bits: half the size, relative error 2^-11");
+  command.add_flag("--half", s->half, "Store values with 16 bits: relative error 2^-11");
   command
       .add_option("--compression", s->compression, "Compression of the file: none, zip or blosc")
       ->option_text("NAME")
@@ -215,8 +214,8 @@ void register_flame(const Registry& registry) {
   command
       .add_option("--line", s->lines,
                   flames_with("lines") +
-                      ": add a grid of an emission line, with its peak: ch, c2_517, oh, na_d, or "
-                      "\"ch=200 W/m^3\" (100 W/m^3); may be given several times")
+                      ": add a grid of an emission line: ch, c2_517, oh, na_d, or with its peak "
+                      "\"ch=200 W/m^3\" (100 W/m^3); repeatable")
       ->option_text("LINE")
       ->take_all()
       ->allow_extra_args(false);
@@ -224,8 +223,8 @@ void register_flame(const Registry& registry) {
       ->option_text("N");
   command
       .add_option("--set", s->parameters,
-                  "A parameter of the flame, e.g. --set \"height=40 mm\"; may be given several "
-                  "times; --set help lists those of the flame")
+                  "A parameter of the flame, e.g. --set \"height=40 mm\"; repeatable; --set help "
+                  "lists them")
       ->option_text("NAME=VALUE")
       ->take_all()
       ->allow_extra_args(false);

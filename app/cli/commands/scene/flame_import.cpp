@@ -146,9 +146,7 @@ StoppableAction add_flame_import(CLI::App& flame) {
   command.add_option("--absorption-unit", request.absorption_unit, "1/m, 1/cm or 1/mm (1/m)")
       ->check(one_of({"1/m", "1/cm", "1/mm"}))
       ->option_text("UNIT");
-  command
-      .add_option("--soot", request.soot,
-                  "Array of soot volume fraction f_v: absorption is 6 pi E(m) f_v / wavelength")
+  command.add_option("--soot", request.soot, "Array of the volume fraction of soot")
       ->option_text("ARRAY");
   command.add_option("--soot-function", request.soot_function, "E(m) of soot, 0.2 to 0.4 (0.26)")
       ->check(number_between(1e-6, kGreatestSootFunction))
@@ -163,7 +161,7 @@ StoppableAction add_flame_import(CLI::App& flame) {
       ->option_text("ABSORPTION");
   command
       .add_option("--voxel-size", settings->voxel_size,
-                  "Edge of a voxel; without it, a 128th of the longest side")
+                  "Edge of a voxel (a 128th of the longest side)")
       ->option_text("LENGTH");
   command
       .add_option("--bounds", settings->bounds,
@@ -172,9 +170,7 @@ StoppableAction add_flame_import(CLI::App& flame) {
   command.add_option("--length-scale", request.length_scale, "Metres per unit of the mesh (1)")
       ->check(number_above(0))
       ->option_text("F");
-  command
-      .add_option("--step", request.step,
-                  "Only this time step, counted from 0; without it, all of them")
+  command.add_option("--step", request.step, "Only this time step, from 0; without it, all")
       ->check(number_from(0))
       ->option_text("N");
   command.add_flag("--half", request.half, "Store values with 16 bits");

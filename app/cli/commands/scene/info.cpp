@@ -191,9 +191,7 @@ void register_info(const Registry& registry) {
                   "paths (.vtp, .csv, .json) or picture (.png)")
       ->required();
   add_set_option(command, settings->set);
-  command.add_flag("--scene", settings->scene,
-                   "Print only the scene: a scene file with its presets resolved, or the scene of "
-                   "a light field");
+  command.add_flag("--scene", settings->scene, "Print only the scene, with its presets resolved");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_info(*settings); });
 }

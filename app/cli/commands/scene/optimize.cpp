@@ -207,10 +207,10 @@ void register_optimize(const Registry& registry) {
   add_set_option(command, settings->set);
   add_camera_option(command, settings->camera);
   command
-      .add_option("--merit", settings->merit,
-                  "depth: types cover --array-range without a gap; resolution: least effective "
-                  "resolution over --depths; volume: resolved pixels along a flame of --height at "
-                  "--depths; light: light per pixel")
+      .add_option(
+          "--merit", settings->merit,
+          "depth: types cover --array-range without a gap; resolution: least over --depths; "
+          "volume: resolved pixels along a flame of --height at --depths; light: light per pixel")
       ->check(one_of({"depth", "resolution", "volume", "light"}))
       ->option_text("NAME")
       ->capture_default_str();
@@ -222,8 +222,7 @@ void register_optimize(const Registry& registry) {
       ->check(one_of({"focal", "pitch", "spacing", "aperture", "focus", "types"}))
       ->option_text("LIST")
       ->capture_default_str();
-  command
-      .add_option("--bound", settings->bound, "Greatest factor by which each parameter may change")
+  command.add_option("--bound", settings->bound, "Greatest factor of each parameter")
       ->option_text("FACTOR")
       ->check(number_between(1.0001, 100.0))
       ->capture_default_str();
@@ -239,9 +238,7 @@ void register_optimize(const Registry& registry) {
   command.add_option("--types", settings->types, "Number of types; without it, as in the scene")
       ->option_text("N")
       ->check(CLI::Range(1, 3));
-  command
-      .add_option("--free", settings->freedom,
-                  "Quantity that sets the focal length of real microlenses: index or radius")
+  command.add_option("--free", settings->freedom, "Sets the focal length of real microlenses")
       ->check(one_of({"index", "radius"}))
       ->option_text("index|radius")
       ->capture_default_str();
@@ -252,14 +249,13 @@ void register_optimize(const Registry& registry) {
       ->check(number_between(1.0, 5.0))
       ->capture_default_str();
   command
-      .add_option("--overlap", settings->overlap,
-                  "Pixels by which neighbouring micro-images may overlap (0; the overlap of SCENE "
-                  "if only focal lengths vary)")
+      .add_option(
+          "--overlap", settings->overlap,
+          "Overlap of neighbouring micro-images (0; that of SCENE if only focal lengths vary)")
       ->option_text("PIXELS")
       ->check(number_between(0.0, 1e6));
   command.add_flag("--paraxial", settings->paraxial, "Use only the paraxial formulas, no rays");
-  command
-      .add_option("--time-limit", settings->time_limit, "Time limit of the search with rays [s]")
+  command.add_option("--time-limit", settings->time_limit, "Of the search with rays [s]")
       ->option_text("SECONDS")
       ->check(number_between(0.1, 1e5))
       ->capture_default_str();

@@ -69,8 +69,8 @@ void register_picture(const Registry& registry) {
   add_moment_options(command, settings->moment);
   command
       .add_option("--camera", request.cameras,
-                  "With several cameras: camera of the insets and of --view camera (the first), "
-                  "cameras whose rays are drawn (all); may be repeated")
+                  "Camera of the insets and of --view camera (the first), cameras whose rays are "
+                  "drawn (all); repeatable")
       ->option_text("NAME")
       ->allow_extra_args(false);
   command.add_option("-o,--output", request.output, "Picture to write (.png)")

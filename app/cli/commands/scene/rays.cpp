@@ -179,38 +179,32 @@ void register_rays(const Registry& registry) {
   add_moment_options(command, settings->moment);
   command
       .add_option("-o,--output", settings->output,
-                  "File to write: .vtp (VTK PolyData), .csv (a line for each vertex), .json, or "
-                  ".npz (numpy: "
-                  "the ends of each ray alone)")
+                  "File to write: .vtp (VTK PolyData), .csv, .json, or .npz (numpy)")
       ->check(written())
       ->required()
       ->option_text("FILE");
   command
       .add_option("--pixel", settings->pixels,
-                  "All rays of this pixel: column and row, from the top left; may be repeated")
+                  "All rays of this pixel: column and row, from the top left; repeatable")
       ->option_text("X,Y")
       ->allow_extra_args(false);
   command
       .add_option("--window", settings->windows,
-                  "All rays of the pixels of this window: left column, top row, columns, rows; may "
-                  "be repeated")
+                  "All rays of the pixels of this window; repeatable")
       ->option_text("X,Y,W,H")
       ->allow_extra_args(false);
   command
       .add_option("--pixels", settings->pixel_file,
-                  "All rays of the pixels in this file: column,row on each line")
+                  "All rays of these pixels: column,row on each line")
       ->option_text("FILE.csv");
   command
-      .add_option(
-          "--microlens", settings->microlenses,
-          "All rays through this microlens, from every pixel that it lights; may be repeated")
+      .add_option("--microlens", settings->microlenses,
+                  "All rays through this microlens; repeatable")
       ->option_text("Q,R")
       ->allow_extra_args(false);
   command
-      .add_option(
-          "--point", settings->points,
-          "Rays from this point of the world towards the camera, e.g. \"1 m, 0 m, 5 mm\"; may "
-          "be repeated")
+      .add_option("--point", settings->points,
+                  "Rays from this point of the world, e.g. \"1 m, 0 m, 5 mm\"; repeatable")
       ->option_text("X,Y,Z")
       ->allow_extra_args(false);
   command
@@ -218,31 +212,30 @@ void register_rays(const Registry& registry) {
       ->option_text("N");
   command.add_flag("--chief", settings->chief, "The chief ray of every microlens");
   command
-      .add_option("--rays", settings->rays,
-                  "Rays per pixel and microlens that covers it, as --samples of render; fewer at "
-                  "the rim of a micro-image; also rays per point (default: 64)")
+      .add_option(
+          "--rays", settings->rays,
+          "Rays per point, or per pixel and microlens, as --samples of render (default: 64)")
       ->option_text("N");
   command
       .add_option(
           "--flame-samples", settings->flame_samples,
-          "Vertices on each ray within the flames, with temperature and absorption (default: "
-          "none)")
+          "Vertices with temperature and absorption on each ray within the flames (default: none)")
       ->option_text("N");
   command
       .add_option(
           "--status", settings->statuses,
-          "Keep only rays of this status: reached, vignetted, reflected, missed; may be repeated")
+          "Keep only rays of this status: reached, vignetted, reflected, missed; repeatable")
       ->check(one_of({"reached", "vignetted", "reflected", "missed"}))
       ->option_text("STATUS")
       ->allow_extra_args(false);
   command
       .add_option("--type", settings->types,
-                  "Keep only rays through microlenses of this type, from 0; may be repeated")
+                  "Keep only rays through microlenses of this type, from 0; repeatable")
       ->option_text("T")
       ->allow_extra_args(false);
   command
       .add_option("--most", settings->most,
-                  "Keep at most N rays, drawn evenly from all; sums over these rays are not fluxes")
+                  "Keep at most N rays, drawn evenly; their sums are not fluxes")
       ->option_text("N");
   command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))

@@ -195,12 +195,12 @@ void register_truth(const Registry& registry) {
       ->option_text("FILE.exr");
   command
       .add_option("--points", settings->points,
-                  "Points of the world to project: x,y,z in metres, one per line")
+                  "Points of the world: x,y,z in metres, one per line")
       ->option_text("FILE.csv");
   command
       .add_option("--projections", settings->projections,
-                  "Images of --points, one line per microlens that sees a point: by the ray "
-                  "through the centre of the lens and by the centroid of the light")
+                  "Images of --points in each microlens that sees them: by the ray through its "
+                  "centre and by the centroid of the light")
       ->check(written())
       ->option_text("FILE.csv");
   command

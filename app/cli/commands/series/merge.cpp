@@ -120,8 +120,8 @@ void register_merge(const Registry& registry) {
   command
       .add_option("FILES", arguments->files,
                   "Light fields (.exr) of one scene: all parts of 'render --part', adjacent "
-                  "windows, pictures with different seeds, or a mixture. Or the folders of all "
-                  "parts of a 'sweep', or all parts of 'operator --part' (.npz, .h5)")
+                  "windows or different seeds. Or the folders of all parts of a 'sweep', or all "
+                  "parts of 'operator --part' (.npz, .h5)")
       ->required();
   command
       .add_option("-o,--output", arguments->output,
@@ -129,9 +129,7 @@ void register_merge(const Registry& registry) {
       ->check(written())
       ->required()
       ->option_text("FILE");
-  command
-      .add_option("--compression", arguments->compression,
-                  "Compression of the light field, see render (rle)")
+  command.add_option("--compression", arguments->compression, "See render (rle)")
       ->check(one_of({"none", "rle", "zip", "piz"}))
       ->option_text("NAME");
   command.add_flag("--json", arguments->json, "Print the figures as JSON");

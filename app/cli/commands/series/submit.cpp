@@ -348,47 +348,39 @@ void register_submit(const Registry& registry) {
       "plenoflame submit --slurm examples/paper-flame-1m.toml --parts 8 -o flame.sbatch");
   command.add_option("SCENE", arguments->scenes, "Scene files (.toml), one per picture")
       ->required();
-  command.add_flag(
-      "--slurm", arguments->slurm,
-      "Write a Slurm job array with one task per part of each picture, numbered from 1");
+  command.add_flag("--slurm", arguments->slurm,
+                   "Slurm job array with one task per part of each picture, numbered from 1");
   command
-      .add_option("-o,--output", arguments->output,
-                  "Script to write; the command prints how to submit it. Pictures are named after "
-                  "their scenes, in the folder of the submission")
+      .add_option(
+          "-o,--output", arguments->output,
+          "Script to write. Pictures are named after their scenes, in the folder of the submission")
       ->check(written())
       ->required()
       ->option_text("FILE");
   command
       .add_option("--sweep", arguments->sweep,
-                  "Run a sweep of the scene into this folder, in place of pictures; --options "
-                  "chooses its runs")
+                  "Sweep of the scene into this folder, in place of pictures")
       ->option_text("DIR");
   command
       .add_option("--operator", arguments->matrix,
-                  "Write the matrix of the scene to this file (.npz, .h5), in place of pictures; "
-                  "--options chooses its unknowns")
+                  "Matrix of the scene to this file (.npz, .h5), in place of pictures")
       ->excludes("--sweep")
       ->option_text("FILE");
-  command
-      .add_option("--parts", arguments->parts,
-                  "Parts of each picture, or of the sweep or the matrix (1)")
+  command.add_option("--parts", arguments->parts, "Parts of each picture, sweep or matrix (1)")
       ->option_text("N");
   command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
   command
-      .add_option("--time", arguments->time,
-                  "Time limit of a task, with unit, e.g. 2h, or as D-HH:MM:SS; without it, the "
-                  "default of the batch system")
+      .add_option(
+          "--time", arguments->time,
+          "Time limit of a task, e.g. 2h or D-HH:MM:SS; without it, the batch system's default")
       ->option_text("TIME");
-  command
-      .add_option("--memory", arguments->memory,
-                  "Memory of a task in the notation of sbatch, e.g. 4G")
+  command.add_option("--memory", arguments->memory, "Memory of a task, e.g. 4G")
       ->option_text("SIZE");
   command.add_option("--partition", arguments->partition, "Partition of the cluster")
       ->option_text("NAME");
   command
-      .add_option(
-          "--options", arguments->options,
-          "Options for render, sweep or operator, in quotes: --options '--samples 256 --truth'")
+      .add_option("--options", arguments->options,
+                  "Options for render, sweep or operator: --options '--samples 256 --truth'")
       ->option_text("TEXT");
   on_chosen(command, registry, [arguments] { return run_submit(*arguments); });
 }

@@ -13,18 +13,17 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
   RenderOptions& options = render.options;
   command.add_option("SCENE", options.scene, "Scene file (.toml)")->required();
   command
-      .add_option(
-          "--table", arguments.table,
-          "Table of the runs (.csv): keys of the scene as in --set in the header, one run per row")
+      .add_option("--table", arguments.table,
+                  "Table of the runs (.csv): keys of the scene in the header, one run per row")
       ->option_text("FILE");
   command
       .add_option("--random", arguments.random,
-                  "Rules for random values (.toml), as [[random]] tables")
+                  "Rules for random values (.toml): [[random]] tables")
       ->option_text("FILE");
   command.add_option("--runs", arguments.runs, "Number of runs to draw")->option_text("N");
   command
       .add_option("-o,--output", arguments.output,
-                  "Folder of the data set; an unfinished set is continued")
+                  "Folder of the data set; an unfinished one is continued")
       ->check(written())
       ->required()
       ->option_text("DIR");
@@ -37,22 +36,18 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("NAME");
   command
       .add_option("--lattice", arguments.lattice,
-                  "Save the true temperature, absorption and emission lines on a lattice of NX x "
-                  "NY x NZ cells")
+                  "Save true temperature, absorption and emission lines on NX x NY x NZ cells")
       ->option_text("NX,NY,NZ");
   command
       .add_option("--region", arguments.region,
-                  "Box of the lattice, two corners with units (around the flames of the scene, or "
-                  "the region of --compiled)")
+                  "Box of the lattice, two corners (around the scene's flames, or the region of "
+                  "--compiled)")
       ->option_text("X,Y,Z:X,Y,Z");
   command
       .add_option("--test-share", arguments.test_share,
-                  "Share of the runs that are for testing, chosen at random, e.g. 20% (0)")
+                  "Share of the runs for testing, e.g. 20% (0)")
       ->option_text("SHARE");
-  command
-      .add_option("--seed", arguments.seed,
-                  "Seed of the sweep; a run depends only on this seed and its number (1)")
-      ->option_text("N");
+  command.add_option("--seed", arguments.seed, "Seed of the sweep (1)")->option_text("N");
   add_part_option(command, arguments.part,
                   "Make only part K of N, in DIR-part-K-of-N; 'plenoflame merge' joins them to "
                   "exactly the whole set");
@@ -67,8 +62,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       .add_option("--compiled", options.compiled,
                   "Use the rays that `plenoflame compile` found for the camera")
       ->option_text("FILE.bundle");
-  command.add_flag("--truth", options.truth,
-                   "Add layers of ground truth for each pixel, see render");
+  command.add_flag("--truth", options.truth, "Add layers of ground truth, see render");
   command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 4096))
       ->option_text("N");

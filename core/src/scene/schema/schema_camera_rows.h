@@ -17,8 +17,8 @@ inline constexpr SchemaKey kAspheric{
     Dimension::none,
     {},
     {},
-    "Even aspheric terms, coefficients of h^4, h^6, h^8, ... added to the sag towards the sensor: "
-    "`1.2e-7 1/mm^3, 0, -3e-12 1/mm^7`.",
+    "Even aspheric terms of h^4, h^6, h^8, ... in the sag towards the sensor: `1.2e-7 1/mm^3, 0, "
+    "-3e-12 1/mm^7`.",
     [](const Scene& scene, SchemaIndices i) -> SchemaValue {
       return format_aspheric(locate<SURFACE, &SurfaceSpec::aspheric>(scene, i));
     },
@@ -53,32 +53,30 @@ inline constexpr SchemaKey kDistortionP1 = key<DISTORTION, &DistortionSpec::p1>(
     kPure, within(kMostDistortion));
 inline constexpr SchemaKey kDistortionP2 = key<DISTORTION, &DistortionSpec::p2>(
     "camera.lens.distortion.p2", "See `p1`.", kPure, within(kMostDistortion));
-inline constexpr SchemaKey kDistortionDistance = key<DISTORTION, &DistortionSpec::distance>(
-    "camera.lens.distortion.distance",
-    "Distance from the front vertex of the main lens to the plane whose image is distorted but "
-    "sharp; `inf`: infinitely far.",
-    kLength, above_zero(kInf));
+inline constexpr SchemaKey kDistortionDistance =
+    key<DISTORTION, &DistortionSpec::distance>("camera.lens.distortion.distance",
+                                               "Distance from the front vertex of the main lens to "
+                                               "the plane whose image is distorted but sharp.",
+                                               kLength, above_zero(kInf));
 
 inline constexpr SchemaKey kPitchY = key<ARRAY, &ArraySpec::pitch_y>(
-    "camera.array.pitch_y",
-    "Lattice `square`: pitch along y, if it differs from that along x; 0 m: as `pitch`.", kLength,
+    "camera.array.pitch_y", "Lattice `square`: pitch along y; 0 m: as `pitch`.", kLength,
     from_zero(1));
 inline constexpr SchemaKey kArrayColumns =
     key<ARRAY, &ArraySpec::columns>("camera.array.columns",
                                     "Microlenses in a row, centred on lens (0, 0); an even number "
-                                    "has one more on its right. 0: unlimited.",
+                                    "has one more right. 0: unlimited.",
                                     kPure, {0, 65536, false, false});
 inline constexpr SchemaKey kArrayRows = key<ARRAY, &ArraySpec::rows>(
     "camera.array.rows", "Rows of microlenses, centred on lens (0, 0); 0: unlimited.", kPure,
     {0, 65536, false, false});
 inline constexpr SchemaKey kAperture = key<ARRAY, &ArraySpec::aperture>(
     "camera.array.aperture",
-    "Shape of a microlens. The sides of a square lie along rows and columns of the lattice; "
-    "those of a hexagon face the neighbours in a hexagonal lattice.");
+    "Shape of a microlens. Sides of a square lie along rows and columns; those of a hexagon face "
+    "the neighbours in a hexagonal lattice.");
 inline constexpr SchemaKey kDiameter = key<ARRAY, &ArraySpec::diameter>(
     "camera.array.diameter",
-    "Clear diameter of a microlens; of a square or hexagon, from side to side. At most the pitch: "
-    "then squares or hexagons of a matching lattice leave no gaps.",
+    "Clear diameter of a microlens; of a square or hexagon, from side to side. At most the pitch.",
     kLength, above_zero(1));
 inline constexpr SchemaKey kDiameterY = key<ARRAY, &ArraySpec::diameter_y>(
     "camera.array.diameter_y",
@@ -87,33 +85,30 @@ inline constexpr SchemaKey kDiameterY = key<ARRAY, &ArraySpec::diameter_y>(
 
 inline constexpr SchemaKey kPixelPitch = key<SENSOR, &SensorSpec::pixel_pitch>(
     "camera.sensor.pixel_pitch",
-    "Distance between the centres of neighbouring pixels, which leave no gaps; along a row if "
-    "pixels are not square.",
+    "Distance between the centres of neighbouring pixels, along a row if pixels are not square.",
     kLength, above_zero(0.1));
 inline constexpr SchemaKey kPixelPitchY = key<SENSOR, &SensorSpec::pixel_pitch_y>(
-    "camera.sensor.pixel_pitch_y",
-    "Pixel pitch along a column, for pixels that are not square; 0 m: as `pixel_pitch`.", kLength,
+    "camera.sensor.pixel_pitch_y", "Pixel pitch along a column; 0 m: as `pixel_pitch`.", kLength,
     from_zero(0.1));
 
 /// Wider ones would blur microlenses into one another.
 inline constexpr double kMostBlur = 16;
 inline constexpr SchemaKey kSensorBlur = key<SENSOR, &SensorSpec::blur>(
     "camera.sensor.blur",
-    "Standard deviation, in pixels, of a Gaussian blur on the sensor, for the soft edges of real "
-    "micro-images (diffraction, cover glass, crosstalk). The Gaussian ends at four deviations.",
+    "Standard deviation, in pixels, of a Gaussian blur on the sensor (diffraction, cover glass, "
+    "crosstalk), which ends at four deviations.",
     kPure, from_zero(kMostBlur));
 
 inline constexpr SchemaKey kFilterName =
     key<FILTER, &PupilFilterSpec::name>("camera.pupil_filters[].name", "Name for reports.");
-inline constexpr SchemaKey kFilterShape = key<FILTER, &PupilFilterSpec::shape>(
-    "camera.pupil_filters[].shape",
-    "Part of the stop that the filter covers: a `sector` (also a half or a ring), or a convex "
-    "`polygon`. Filters must not overlap.");
-inline constexpr SchemaKey kFilterAngle =
-    key<FILTER, &PupilFilterSpec::angle>("camera.pupil_filters[].angle",
-                                         "Sector: angle of its start, from camera x (right) "
-                                         "towards camera y (down), as seen from behind the camera.",
-                                         kAngle, within(1000));
+inline constexpr SchemaKey kFilterShape =
+    key<FILTER, &PupilFilterSpec::shape>("camera.pupil_filters[].shape",
+                                         "Part of the stop: a `sector` (also a half or a ring), or "
+                                         "a convex `polygon`. Filters must not overlap.");
+inline constexpr SchemaKey kFilterAngle = key<FILTER, &PupilFilterSpec::angle>(
+    "camera.pupil_filters[].angle",
+    "Sector: angle of its start, from camera x (right) towards camera y (down).", kAngle,
+    within(1000));
 inline constexpr SchemaKey kFilterExtent = key<FILTER, &PupilFilterSpec::extent>(
     "camera.pupil_filters[].extent", "Sector: angle over which it extends; 0 deg: all around.",
     kAngle, {0, 6.2831853071795872, false, false});
@@ -130,8 +125,8 @@ inline constexpr SchemaKey kFilterCorners{
     Dimension::none,
     {},
     {},
-    "Polygon: its corners x y (camera axes) in radii of the stop, one after the other around it: "
-    "`0 -1, 1 -1, 1 1, 0 1`.",
+    "Polygon: its corners x y (camera axes) in radii of the stop, in order: `0 -1, 1 -1, 1 1, 0 "
+    "1`.",
     [](const Scene& scene, SchemaIndices i) -> SchemaValue {
       return format_corners(locate<FILTER, &PupilFilterSpec::corners>(scene, i));
     },
@@ -139,15 +134,14 @@ inline constexpr SchemaKey kFilterCorners{
       locate<FILTER, &PupilFilterSpec::corners>(scene, i) =
           parse_corners(std::get<std::string>(value));
     }};
-inline constexpr SchemaKey kCameraName =
-    key<CAMERA, &CameraSpec::name>("camera.name",
-                                   "Name of the camera: letters, digits, _ and -. Each of several "
-                                   "`[[cameras]]` needs its own, which its picture carries.");
+inline constexpr SchemaKey kCameraName = key<CAMERA, &CameraSpec::name>(
+    "camera.name",
+    "Name of the camera: letters, digits, _ and -. Each of several `[[cameras]]` needs its own.");
 inline constexpr SchemaList kLensSurfaces =
     list<SURFACE>("camera.lens.surfaces", 0, kMaxLensSurfaces);
 inline constexpr SchemaKey kFilterTransmission = key<FILTER, &PupilFilterSpec::transmission>(
     "camera.pupil_filters[].transmission",
-    "Transmission of the filter, linear between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 "
-    "outside; empty: all light passes. 0 at all points: an opaque mask.");
+    "Transmission, linear between points: `640 nm 0, 650 nm 0.9, 660 nm 0`, 0 outside; empty: all "
+    "light passes.");
 
 }  // namespace plenoflame::schema

@@ -108,10 +108,8 @@ std::string scene_reference_markdown() {
       "\n"
       "## Presets\n"
       "\n"
-      "`preset = \"NAME\"` in `[camera]` (or an item of `[[cameras]]`), `[camera.lens]` or "
-      "`[[flames]]` starts from a preset; every other key given overrides it. A\n"
-      "given list, such as `[[camera.array.types]]`, replaces the whole list of the preset. The "
-      "texts are in the folder\n"
+      "`preset = \"NAME\"` in `[camera]`, `[camera.lens]` or `[[flames]]` starts from a preset "
+      "([rules](../user/scenes.md#start-from-a-preset)). The texts are in the folder\n"
       "`core/presets`, with notes on values that their sources leave open.\n"
       "\n";
   add_presets(page, PresetKind::camera);
@@ -128,8 +126,7 @@ std::string scene_reference_markdown() {
           "(docs/user/cameras.md). "
           "An item has all keys and tables\n"
           "of `[camera]`, as `[cameras.lens]`, `[[cameras.array.types]]` and so on below it. "
-          "`like = \"NAME\"` starts from an earlier camera of the list instead of\n"
-          "a preset; every other key given overrides it.\n"
+          "`like = \"NAME\"` starts from an earlier camera.\n"
           "\n"
           "A list of 1 to " +
           std::to_string(find_schema_list("cameras")->most) + " items.\n";
@@ -154,9 +151,8 @@ std::string scene_reference_markdown() {
     if (table.path == "camera.lens")
       page +=
           "| `file` | text | none | .toml, .zmx, .dat, .txt | Read the prescription from this "
-          "file. |\n"
-          "| `f_number` | number | none | above 0 | Focal length over the diameter of the entrance "
-          "pupil: sets the diameter of the stop, or narrows the one that it has. |\n";
+          "file. |\n| `f_number` | number | none | above 0 | Focal length over the diameter of the "
+          "entrance pupil: sets or narrows the stop. |\n";
     const std::string prefix = std::string(table.path) + ".";
     for (const SchemaKey& key : schema_keys()) {
       if (!key.path.starts_with(prefix)) continue;

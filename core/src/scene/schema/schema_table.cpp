@@ -13,34 +13,29 @@ using namespace schema;
 
 constexpr SchemaKey kRows[] = {
     kCameraName,
-    key<CAMERA, &CameraSpec::position>("camera.position",
-                                       "Place of the front vertex of the main lens in the world.",
-                                       kLength, within(kFar)),
+    key<CAMERA, &CameraSpec::position>(
+        "camera.position", "World place of the main lens' front vertex.", kLength, within(kFar)),
     key<CAMERA, &CameraSpec::look_direction>(
-        "camera.look_direction",
-        "World direction in which the camera looks; its length does not matter.", kPure,
+        "camera.look_direction", "World direction in which the camera looks; any length.", kPure,
         within(kFar)),
-    key<CAMERA, &CameraSpec::up>("camera.up",
-                                 "World direction that is up in the picture; its part along the "
-                                 "look direction does not matter.",
-                                 kPure, within(kFar)),
+    key<CAMERA, &CameraSpec::up>(
+        "camera.up",
+        "World direction that is up in the picture, at any angle to the look direction.", kPure,
+        within(kFar)),
 
     key<LENS, &MainLensSpec::model>("camera.lens.model",
                                     "`real` refracts at every surface; `ideal` is the paraxial "
-                                    "transform between the principal planes, "
-                                    "without aberrations."),
-    key<LENS, &MainLensSpec::focal_length>("camera.lens.focal_length",
-                                           "Focal length of an ideal thin lens at the origin; used "
-                                           "when `surfaces` is empty, 0 m otherwise.",
-                                           kLength, from_zero(kLargestLens)),
-    key<LENS, &MainLensSpec::diameter>(
-        "camera.lens.diameter",
-        "Diameter of the thin lens and of its stop; used when `surfaces` is empty.", kLength,
+                                    "transform between the principal planes."),
+    key<LENS, &MainLensSpec::focal_length>(
+        "camera.lens.focal_length",
+        "Focal length of an ideal thin lens at the origin, if `surfaces` is empty.", kLength,
         from_zero(kLargestLens)),
+    key<LENS, &MainLensSpec::diameter>(
+        "camera.lens.diameter", "Diameter of the thin lens and its stop, if `surfaces` is empty.",
+        kLength, from_zero(kLargestLens)),
     key<LENS, &MainLensSpec::decentre>(
         "camera.lens.decentre",
-        "Displacement of the main lens from the axis of array and sensor, along camera x and y.",
-        kLength, within(1)),
+        "Displacement of the main lens from the axis, along camera x and y.", kLength, within(1)),
     key<LENS, &MainLensSpec::tilt>(
         "camera.lens.tilt",
         "Tilt of the main lens about camera x, then y, around its front vertex.", kAngle,
@@ -72,14 +67,13 @@ constexpr SchemaKey kRows[] = {
                                      "Whether this is the aperture stop; exactly one surface is."),
 
     key<SURFACE, &SurfaceSpec::conic>("camera.lens.surfaces[].conic",
-                                      "Conic constant: 0 a sphere, -1 a paraboloid, below -1 a "
-                                      "hyperboloid.",
-                                      kPure, within(1e6)),
+                                      "Conic constant: 0 a sphere, -1 a paraboloid.", kPure,
+                                      within(1e6)),
     kAspheric,
     key<SURFACE, &SurfaceSpec::radius_x>(
         "camera.lens.surfaces[].radius_x",
-        "Biconic surface: radius of the section along camera x, in place of `radius`; needs "
-        "`radius_y`. `inf` in one of them makes a cylinder. 0 m: a round surface.",
+        "Biconic surface: radius of the section along camera x, in place of `radius`. `inf` makes "
+        "a cylinder. 0 m: a round surface.",
         kLength),
     key<SURFACE, &SurfaceSpec::radius_y>("camera.lens.surfaces[].radius_y",
                                          "Biconic surface: radius of the section along camera y.",
@@ -92,10 +86,9 @@ constexpr SchemaKey kRows[] = {
                                         kPure, within(1e6)),
     kGlass,
 
-    key<ARRAY, &ArraySpec::present>(
-        "camera.array.present",
-        "Whether there is a microlens array; true if the file has the table `camera.array`."),
-    key<ARRAY, &ArraySpec::lattice>("camera.array.lattice", "How the microlenses are arranged."),
+    key<ARRAY, &ArraySpec::present>("camera.array.present",
+                                    "Whether there is a microlens array; true with this table."),
+    key<ARRAY, &ArraySpec::lattice>("camera.array.lattice", "Arrangement of the microlenses."),
     key<ARRAY, &ArraySpec::model>("camera.array.model",
                                   "`real` microlenses are thick lenses with two spherical faces; "
                                   "`ideal` ones apply the paraxial transform."),
@@ -111,17 +104,15 @@ constexpr SchemaKey kRows[] = {
     key<ARRAY, &ArraySpec::thickness>("camera.array.thickness",
                                       "Thickness of a microlens between its two vertices.", kLength,
                                       from_zero(1)),
-    key<ARRAY, &ArraySpec::opaque_between>(
-        "camera.array.opaque_between",
-        "Whether the area between the microlenses is opaque; otherwise light passes between them."),
+    key<ARRAY, &ArraySpec::opaque_between>("camera.array.opaque_between",
+                                           "Whether the area between the microlenses is opaque."),
     key<ARRAY, &ArraySpec::rotation>(
         "camera.array.rotation",
         "Rotation of the array about the optical axis, from camera x towards y.", kAngle,
         within(1000)),
-    key<ARRAY, &ArraySpec::offset>(
-        "camera.array.offset",
-        "Where the centre of lens (0, 0) lies, camera x and y, from the optical axis.", kLength,
-        within(1)),
+    key<ARRAY, &ArraySpec::offset>("camera.array.offset",
+                                   "Centre of lens (0, 0), camera x and y, from the optical axis.",
+                                   kLength, within(1)),
     key<ARRAY, &ArraySpec::sensor_distance>("camera.array.sensor_distance",
                                             "Distance B between array and sensor.", kLength,
                                             above_zero(10)),
@@ -129,19 +120,18 @@ constexpr SchemaKey kRows[] = {
                                           "Start of `sensor_distance`: the rear principal plane of "
                                           "the first type, or the rear vertices."),
 
-    key<ARRAY, &ArraySpec::spacing_error>(
-        "camera.array.spacing_error",
-        "Error of `sensor_distance`: the sensor is this much farther from the array. The focus is "
-        "computed without it.",
-        kLength, within(1)),
+    key<ARRAY, &ArraySpec::spacing_error>("camera.array.spacing_error",
+                                          "The sensor is this much farther from the array than "
+                                          "`sensor_distance`; the focus is computed without it.",
+                                          kLength, within(1)),
     key<ARRAY, &ArraySpec::centre_jitter>(
         "camera.array.centre_jitter",
-        "Each microlens is displaced across the axis to a random point of a disc of this radius, "
-        "at most half the gap between neighbours. Lens (0, 0) stays at `offset`.",
+        "Each microlens is displaced to a random point of a disc of this radius, at most half the "
+        "gap between neighbours. Lens (0, 0) stays.",
         kLength, from_zero(1)),
     key<ARRAY, &ArraySpec::focal_jitter>(
         "camera.array.focal_jitter",
-        "Random factors between 1 - focal_jitter and 1 + focal_jitter multiply the radii of each "
+        "Random factors from 1 - focal_jitter to 1 + focal_jitter multiply the radii of each "
         "microlens, or the focal length of an ideal one. Lens (0, 0) is exact.",
         kPure, from_zero(0.5)),
     key<ARRAY, &ArraySpec::jitter_seed>("camera.array.jitter_seed", "Seed of both jitters."),
@@ -149,9 +139,8 @@ constexpr SchemaKey kRows[] = {
                                  "Tilt of the array against the sensor, about camera x, then y.",
                                  kAngle, within(0.2)),
 
-    key<TYPE, &MicrolensSpec::name>(
-        "camera.array.types[].name",
-        "Name of this kind of microlens, for `focus.conjugate` and reports."),
+    key<TYPE, &MicrolensSpec::name>("camera.array.types[].name",
+                                    "Name, for `focus.conjugate` and reports."),
     key<TYPE, &MicrolensSpec::radius_front>(
         "camera.array.types[].radius_front",
         "Radius of the face towards the scene, positive when convex.", kLength, kNonzero),
@@ -160,11 +149,10 @@ constexpr SchemaKey kRows[] = {
         "Radius of the face towards the sensor, positive when convex.", kLength, kNonzero),
     key<TYPE, &MicrolensSpec::index>("camera.array.types[].index",
                                      "Refractive index of the microlens.", kPure, kIndex),
-    key<TYPE, &MicrolensSpec::focal_length>(
-        "camera.array.types[].focal_length",
-        "Focal length of an `ideal` microlens, which is then thin; 0 m: computed from radii and "
-        "`index`. `real` microlenses do not use it.",
-        kLength, within(10)),
+    key<TYPE, &MicrolensSpec::focal_length>("camera.array.types[].focal_length",
+                                            "Focal length of an `ideal` microlens, which is then "
+                                            "thin; 0 m: computed from radii and `index`.",
+                                            kLength, within(10)),
 
     key<TYPE, &MicrolensSpec::glass>(
         "camera.array.types[].glass",
@@ -195,8 +183,8 @@ constexpr SchemaKey kRows[] = {
                                           above_zero(1)),
     key<SENSOR, &SensorSpec::full_well>(
         "camera.sensor.full_well",
-        "Greatest number of electrons in a pixel; excess electrons are lost, without blooming.",
-        kPure, above_zero(1e12)),
+        "Greatest number of electrons in a pixel; excess electrons are lost.", kPure,
+        above_zero(1e12)),
     key<SENSOR, &SensorSpec::read_noise>("camera.sensor.read_noise",
                                          "RMS noise of reading a pixel, in electrons.", kPure,
                                          from_zero(1e6)),
@@ -211,66 +199,60 @@ constexpr SchemaKey kRows[] = {
                                    kPure, {1, 16, false, false}),
     key<SENSOR, &SensorSpec::black_level>(
         "camera.sensor.black_level",
-        "Digital number that stands for no light; 0: five times the read noise, rounded up, or 0 "
-        "where the read noise is below a tenth of a digital number.",
+        "Digital number without light; 0: five times the read noise, rounded up, or 0 if the read "
+        "noise is below a tenth of a digital number.",
         kPure, from_zero(65535)),
     key<SENSOR, &SensorSpec::shot_noise>("camera.sensor.shot_noise",
-                                         "Whether electrons arrive at random, by Poisson's law."),
-    key<SENSOR, &SensorSpec::hot_pixels>(
-        "camera.sensor.hot_pixels",
-        "Share of the pixels, chosen at random, whose dark current is `hot_current`.", kPure,
-        from_zero(1)),
+                                         "Whether electrons arrive by Poisson's law."),
+    key<SENSOR, &SensorSpec::hot_pixels>("camera.sensor.hot_pixels",
+                                         "Share of the pixels whose dark current is `hot_current`.",
+                                         kPure, from_zero(1)),
     key<SENSOR, &SensorSpec::hot_current>("camera.sensor.hot_current",
                                           "Dark current of the hot pixels, electrons per second.",
                                           kPure, from_zero(1e12)),
-    key<SENSOR, &SensorSpec::dead_pixels>(
-        "camera.sensor.dead_pixels", "Share of the pixels, chosen at random, that record no light.",
-        kPure, from_zero(1)),
-    key<SENSOR, &SensorSpec::noise_seed>(
-        "camera.sensor.noise_seed",
-        "The same seed gives the same noise and the same defects, pixel by pixel."),
+    key<SENSOR, &SensorSpec::dead_pixels>("camera.sensor.dead_pixels",
+                                          "Share of the pixels that record no light.", kPure,
+                                          from_zero(1)),
+    key<SENSOR, &SensorSpec::noise_seed>("camera.sensor.noise_seed",
+                                         "The same seed gives the same noise and defects."),
 
     key<FOCUS, &FocusSpec::mode>(
         "camera.focus.mode",
-        "`distance`: as given by `lens_distance`; `paraxial`: the paraxial image of the object "
-        "plane lies on the conjugate plane; `best`: real rays have their least RMS spot on the "
-        "conjugate plane."),
-    key<FOCUS, &FocusSpec::lens_distance>("camera.focus.lens_distance",
-                                          "Mode `distance`: from the vertex of the last lens "
-                                          "surface to the front vertices of the microlenses, or to "
-                                          "the sensor without an array.",
-                                          kLength, from_zero(1000)),
+        "`distance`: by `lens_distance`; `paraxial`: the paraxial image of the object plane lies "
+        "on the conjugate plane; `best`: the least RMS spot of real rays."),
+    key<FOCUS, &FocusSpec::lens_distance>(
+        "camera.focus.lens_distance",
+        "Mode `distance`: from the last lens vertex to the front vertices of the microlenses, or "
+        "to the sensor without an array.",
+        kLength, from_zero(1000)),
     key<FOCUS, &FocusSpec::object_distance>(
         "camera.focus.object_distance",
         "Other modes: from the front vertex of the main lens to the object plane; may be `inf`.",
         kLength, from_zero(kInf)),
     key<FOCUS, &FocusSpec::conjugate>(
         "camera.focus.conjugate",
-        "What is conjugate to the object plane: `array` (plenoptic 1.0), the name of a microlens "
-        "type (2.0: the plane "
-        "on which that type is sharp), or `sensor` (only without array, and then the default)."),
+        "Conjugate of the object plane: `array` (plenoptic 1.0), a microlens type (2.0: the plane "
+        "on which it is sharp), or `sensor` (only without array, and then the default)."),
 
     key<TRANSMISSION, &TransmissionSpec::fresnel>(
         "camera.transmission.fresnel",
-        "Whether light is lost by reflection at every refracting surface (unpolarised)."),
+        "Whether every refracting surface reflects light (unpolarised)."),
     key<TRANSMISSION, &TransmissionSpec::coating_index>(
         "camera.transmission.coating_index",
-        "Index of a quarter-wave layer on the surfaces of the main lens that border on air; 0: "
-        "uncoated.",
-        kPure, from_zero(5)),
+        "Index of a quarter-wave layer on the main lens' surfaces in air; 0: uncoated.", kPure,
+        from_zero(5)),
     key<TRANSMISSION, &TransmissionSpec::coating_wavelength>(
         "camera.transmission.coating_wavelength",
-        "Wavelength for which the layer is a quarter wave thick, at normal incidence.", kLength,
-        above_zero(1e-3)),
+        "Wavelength for which the layer is a quarter wave thick.", kLength, above_zero(1e-3)),
     key<TRANSMISSION, &TransmissionSpec::cover_index>(
         "camera.transmission.cover_index",
-        "Index of the sensor's cover glass, which reflects at both faces and does not shift the "
-        "image. 1: no cover glass.",
+        "Index of the sensor's cover glass, which reflects but does not shift the image. 1: no "
+        "cover glass.",
         kPure, kIndex),
     key<TRANSMISSION, &TransmissionSpec::filter>(
         "camera.transmission.filter",
-        "Transmission of a filter in front of the sensor, linear between points: `400 nm 0.9, 700 "
-        "nm 0.8`, 0 outside; empty: no filter."),
+        "Transmission of a filter before the sensor, linear between points: `400 nm 0.9, 700 nm "
+        "0.8`, 0 outside."),
 
     kFilterName,
     kFilterShape,
@@ -291,11 +273,10 @@ constexpr SchemaKey kRows[] = {
     key<FLAME, &FlameSpec::rotation>("flames[].rotation",
                                      "Rotation of the flame about the world's x, then y, then z.",
                                      kAngle, within(1000)),
-    key<FLAME, &FlameSpec::scale>(
-        "flames[].scale",
-        "Factor on the lengths in the flame's own frame, for files that are not in metres (0.001: "
-        "millimetres); absorption is not scaled.",
-        kPure, above_zero(1e9)),
+    key<FLAME, &FlameSpec::scale>("flames[].scale",
+                                  "Factor on the flame's lengths, for files that are not in metres "
+                                  "(0.001: millimetres); absorption is not scaled.",
+                                  kPure, above_zero(1e9)),
     kBrightness,
     kFlameFile,
     kFlameFrameRate,
@@ -319,8 +300,8 @@ constexpr SchemaKey kRows[] = {
                                            Dimension::absorption, from_zero(1e12)),
     key<LAYER, &EllipsoidSpec::volume_fraction>(
         "flames[].layers[].volume_fraction",
-        "Volume fraction of soot, in place of the absorption; the flame's spectrum must be `soot`.",
-        kPure, from_zero(1)),
+        "Volume fraction of soot, in place of the absorption, with the spectrum `soot`.", kPure,
+        from_zero(1)),
 
     key<TEMPERATURE, &GridSpec::grid>(
         "flames[].temperature.grid",
@@ -336,10 +317,9 @@ constexpr SchemaKey kRows[] = {
     key<ABSORPTION, &GridSpec::grid>(
         "flames[].absorption.grid",
         "Name of the grid in the file; empty: `absorption` and its known aliases."),
-    key<ABSORPTION, &GridSpec::unit>(
-        "flames[].absorption.unit",
-        "Unit of scale * stored + offset (1/m, 1/cm, 1/mm), or `1` or `ppm` for a volume fraction "
-        "of soot; empty: the file's metadata, else 1/m."),
+    key<ABSORPTION, &GridSpec::unit>("flames[].absorption.unit",
+                                     "Unit of scale * stored + offset (1/m, 1/cm, 1/mm; `1` or "
+                                     "`ppm` of soot); empty: the file's metadata, else 1/m."),
     key<ABSORPTION, &GridSpec::scale>("flames[].absorption.scale", "Factor on the stored values.",
                                       kPure, kNonzero),
     key<ABSORPTION, &GridSpec::offset>("flames[].absorption.offset", "Added after the factor.",
@@ -347,8 +327,8 @@ constexpr SchemaKey kRows[] = {
 
     key<LINE, &LineSpec::kind>(
         "flames[].lines[].kind",
-        "`custom`: at `wavelength`; `ch`: CH* at 431.5 nm; `c2_474`, `c2_517`, `c2_564`: Swan "
-        "bands of C2*; `oh`: OH* at 309 nm; `na_d`: both sodium D lines."),
+        "`custom`: at `wavelength`; `ch`: CH*; `c2_474`, `c2_517`, `c2_564`: Swan bands of C2*; "
+        "`oh`: OH*; `na_d`: both sodium D lines."),
     key<LINE, &LineSpec::wavelength>("flames[].lines[].wavelength",
                                      "Kind `custom`: vacuum wavelength.", kLength, from_zero(1e-3)),
     key<LINE, &LineSpec::width>(
@@ -370,8 +350,8 @@ constexpr SchemaKey kRows[] = {
 
     key<SPECTRUM, &SpectrumSpec::kind>(
         "flames[].spectrum.kind",
-        "`grey`: absorption is the same at all wavelengths; `power`: proportional to (reference / "
-        "wavelength)^exponent; `soot`: 6 pi E(m) f_v / wavelength; `table`: points."),
+        "`grey`: constant; `power`: proportional to (reference / wavelength)^exponent; `soot`: 6 "
+        "pi E(m) f_v / wavelength; `table`: points."),
     key<SPECTRUM, &SpectrumSpec::reference>("flames[].spectrum.reference",
                                             "Wavelength at which the flame's absorption holds.",
                                             kLength, above_zero(1e-3)),
@@ -392,14 +372,12 @@ constexpr SchemaKey kRows[] = {
 
     key<SCATTERING, &ScatteringSpec::albedo>(
         "flames[].scattering.albedo",
-        "Share of scattering in the extinction, below 1. Scattering is added to the flame's "
-        "absorption. 0: no scattering.",
+        "Share of scattering in the extinction, below 1. Scattering is added to the absorption.",
         kPure, from_zero(1)),
     key<SCATTERING, &ScatteringSpec::grid>("flames[].scattering.grid",
                                            "Kind `vdb`: name of a grid of albedos in the file, at "
                                            "least 0 and below 1; empty: `albedo` everywhere."),
-    key<SCATTERING, &ScatteringSpec::phase>(
-        "flames[].scattering.phase", "Phase function: distribution of the scattered directions."),
+    key<SCATTERING, &ScatteringSpec::phase>("flames[].scattering.phase", "Phase function."),
     key<SCATTERING, &ScatteringSpec::asymmetry>(
         "flames[].scattering.asymmetry",
         "Henyey-Greenstein: mean cosine of the scattering angle; 0: isotropic.", kPure,
@@ -420,18 +398,15 @@ constexpr SchemaKey kRows[] = {
     key<SOLID, &SolidSurfaceSpec::height>("surfaces[].height",
                                           "Height of a cylinder or cone, along its z.", kLength,
                                           from_zero(kFar)),
-    key<SOLID, &SolidSurfaceSpec::caps>(
-        "surfaces[].caps",
-        "Whether a cylinder or cone has end caps; a cylinder without caps is a tube."),
+    key<SOLID, &SolidSurfaceSpec::caps>("surfaces[].caps",
+                                        "Whether a cylinder or cone has end caps."),
     key<SOLID, &SolidSurfaceSpec::extent>(
-        "surfaces[].extent",
-        "Sides of a plane along its x and y; its front looks along its z. `inf`: infinite.",
+        "surfaces[].extent", "Sides of a plane along its x and y; its front looks along its z.",
         kLength, above_zero(kInf)),
     key<SOLID, &SolidSurfaceSpec::size>("surfaces[].size",
                                         "Sides of a box, which is centred in x and y.", kLength,
                                         from_zero(kFar)),
-    key<SOLID, &SolidSurfaceSpec::file>(
-        "surfaces[].file", "Mesh: an OBJ, PLY or STL file, relative to the scene file."),
+    key<SOLID, &SolidSurfaceSpec::file>("surfaces[].file", "Mesh: an OBJ, PLY or STL file."),
     key<SOLID, &SolidSurfaceSpec::file_unit>(
         "surfaces[].file_unit", "Mesh: length of one unit in the file.", kLength, above_zero(kFar)),
 
@@ -441,9 +416,8 @@ constexpr SchemaKey kRows[] = {
         "`temperature`, `emitter` emits `radiance` in all directions."),
     key<MATERIAL, &MaterialSpec::reflectivity>(
         "surfaces[].material.reflectivity",
-        "Kind `lambertian`: share of the incident light that is reflected, the same in every "
-        "channel.",
-        kPure, from_zero(1)),
+        "Kind `lambertian`: share of reflected light, the same in every channel.", kPure,
+        from_zero(1)),
     key<MATERIAL, &MaterialSpec::temperature>("surfaces[].material.temperature",
                                               "Kind `blackbody`: temperature.",
                                               Dimension::temperature, from_zero(1e5)),
@@ -452,46 +426,41 @@ constexpr SchemaKey kRows[] = {
                                            Dimension::radiance, from_zero(1e30)),
     key<MATERIAL, &MaterialSpec::sides>(
         "surfaces[].material.sides",
-        "`both`: both sides have this material; `front`: only the front, and the back is black."),
+        "`front`: only the front has this material, and the back is black."),
 
     key<TEXTURE, &TextureSpec::kind>(
         "surfaces[].material.texture.kind",
-        "Pattern of the reflectivity: generated, or an `image` (PNG, converted to linear values)."),
-    key<TEXTURE, &TextureSpec::dark>(
-        "surfaces[].material.texture.dark",
-        "Reflectivity of the dark parts; the light parts have that of the material.", kPure,
-        from_zero(1)),
+        "Generated pattern, or an `image` (PNG, converted to linear values)."),
+    key<TEXTURE, &TextureSpec::dark>("surfaces[].material.texture.dark",
+                                     "Reflectivity of the dark parts.", kPure, from_zero(1)),
     key<TEXTURE, &TextureSpec::cell>("surfaces[].material.texture.cell",
                                      "Side of a square, spacing of dots, period of the coarsest "
                                      "bars.",
                                      kLength, from_zero(kFar)),
     key<TEXTURE, &TextureSpec::columns>(
         "surfaces[].material.texture.columns",
-        "Squares or dots across, dark sectors of the star, or groups of bars.", kPure,
+        "Squares or dots across, sectors of the star, or groups of bars.", kPure,
         {1, 10000, false, false}),
     key<TEXTURE, &TextureSpec::rows>("surfaces[].material.texture.rows",
                                      "Squares or dots down the pattern.", kPure,
                                      {1, 10000, false, false}),
     key<TEXTURE, &TextureSpec::fill>("surfaces[].material.texture.fill",
                                      "Diameter of a dot over the spacing.", kPure, above_zero(1)),
-    key<TEXTURE, &TextureSpec::size>(
-        "surfaces[].material.texture.size",
-        "Sides of an image on the surface, centred; a star's diameter is the smaller one.", kLength,
-        above_zero(kFar)),
-    key<TEXTURE, &TextureSpec::file>("surfaces[].material.texture.file",
-                                     "Kind `image`: the file, relative to the scene file."),
+    key<TEXTURE, &TextureSpec::size>("surfaces[].material.texture.size",
+                                     "Sides of an image; a star's diameter is the smaller one.",
+                                     kLength, above_zero(kFar)),
+    key<TEXTURE, &TextureSpec::file>("surfaces[].material.texture.file", "Kind `image`: the file."),
 
-    key<LIGHT, &LightSpec::kind>(
-        "lights[].kind",
-        "`point`: evenly into a cone; `parallel`: from infinitely far, like the sun; "
-        "`environment`: the same radiance from everywhere."),
+    key<LIGHT, &LightSpec::kind>("lights[].kind",
+                                 "`point`: evenly into a cone; `parallel`: like the sun; "
+                                 "`environment`: the same radiance from everywhere."),
     key<LIGHT, &LightSpec::name>("lights[].name", "Name for messages."),
     key<LIGHT, &LightSpec::position>("lights[].position", "World place of a point source.", kLength,
                                      within(kFar)),
     key<LIGHT, &LightSpec::direction>(
         "lights[].direction",
-        "World direction in which the light goes (the axis of a cone); its length does not matter.",
-        kPure, within(kFar)),
+        "World direction in which the light goes (the axis of a cone); any length.", kPure,
+        within(kFar)),
     key<LIGHT, &LightSpec::cone>("lights[].cone",
                                  "Full angle of a point source's cone; 0 rad: all directions.",
                                  kAngle, from_zero(6.2831853071795864)),
@@ -504,17 +473,16 @@ constexpr SchemaKey kRows[] = {
                                      Dimension::radiance, from_zero(1e30)),
     key<LIGHT, &LightSpec::temperature>(
         "lights[].temperature",
-        "0 K: the value above holds in every channel. Otherwise it covers all wavelengths, and a "
-        "channel gets the share of a blackbody of this temperature.",
+        "0 K: the value above holds in every channel. Otherwise it is the total, and a channel "
+        "gets its share of this blackbody's light.",
         Dimension::temperature, from_zero(1e5)),
 
     key<CHANNEL, &ChannelSpec::name>("channels[].name",
                                      "Name of the image channel: letters, digits, _ and -."),
     key<CHANNEL, &ChannelSpec::kind>(
         "channels[].kind",
-        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: with "
-        "a Gaussian filter; `curve`: with a response given by points; `named`: with a named "
-        "response."),
+        "`total`: all wavelengths, sigma T^4 / pi; `band`: Planck's law over a band; `line`: "
+        "Gaussian filter; `curve`: response by points; `named`: a named response."),
     key<CHANNEL, &ChannelSpec::wavelength>("channels[].wavelength",
                                            "Kinds `band` and `line`: centre, in vacuum.", kLength,
                                            from_zero(1e-3)),
@@ -526,39 +494,36 @@ constexpr SchemaKey kRows[] = {
         "Kind `named`: `cie_x`, `cie_y`, `cie_z`, or a sensor's colour (docs/radiometry.md)."),
     key<CHANNEL, &ChannelSpec::file>(
         "channels[].file",
-        "Kind `curve`: CSV file of wavelength in nm (or as its header says) and response, relative "
-        "to the scene file."),
+        "Kind `curve`: CSV file of wavelength in nm (or as its header says) and response."),
     key<CHANNEL, &ChannelSpec::curve>("channels[].curve",
                                       "Kind `curve`: the points, `450 nm 0.2, 460 nm 0.35`, joined "
                                       "by straight lines; empty: read from `file`."),
-    key<CHANNEL, &ChannelSpec::photons>(
-        "channels[].photons",
-        "Whether the response is a quantum efficiency: light then counts in proportion to its "
-        "wavelength, so that flux is exactly proportional to electrons."),
-    key<CHANNEL, &ChannelSpec::wavelengths>("channels[].wavelengths",
-                                            "Least number of wavelengths that sample the channel "
-                                            "if a glass disperses; each has its own rays.",
-                                            kPure, {1, 16, false, false}),
+    key<CHANNEL, &ChannelSpec::photons>("channels[].photons",
+                                        "Whether the response is a quantum efficiency: light then "
+                                        "counts in proportion to its wavelength, as electrons do."),
+    key<CHANNEL, &ChannelSpec::wavelengths>(
+        "channels[].wavelengths",
+        "Wavelengths that sample the channel if a glass disperses, at least.", kPure,
+        {1, 16, false, false}),
 
     key<RENDER, &RenderSpec::estimator>("render.estimator",
-                                        "`backward`: rays from the sensor to the flame; `forward`: "
-                                        "energy bundles from the flame, slow, for checks."),
+                                        "`backward`: rays from the sensor; `forward`: energy "
+                                        "bundles from the flame, slow, for checks."),
     key<RENDER, &RenderSpec::samples>(
         "render.samples",
-        "Estimator `backward`: rays per pixel and microlens that covers it; "
-        "`forward`: energy bundles in total.",
-        kPure, {1, 1 << 30, false, false}),
-    key<RENDER, &RenderSpec::seed>("render.seed",
-                                   "The same seed gives the same image, bit for bit."),
+        "`backward`: rays per pixel and microlens; `forward`: energy bundles in total.", kPure,
+        {1, 1 << 30, false, false}),
+    key<RENDER, &RenderSpec::seed>(
+        "render.seed",
+        "The same seed gives the same image, bit for bit, with any number of threads."),
     key<RENDER, &RenderSpec::reflections>(
-        "render.reflections",
-        "Greatest number of reflections by surfaces along a path; 1: direct light only.", kPure,
-        {0, 64, false, false}),
+        "render.reflections", "Most reflections by surfaces along a path; 1: direct light only.",
+        kPure, {0, 64, false, false}),
     key<RENDER, &RenderSpec::flame_light>("render.flame_light",
                                           "Whether flames light the surfaces."),
 
     key<DEVELOP, &DevelopSpec::saturation>(
-        "develop.saturation", "Radiant flux per pixel that is white; 0 W: automatic exposure.",
+        "develop.saturation", "Radiant flux of a white pixel; 0 W: automatic exposure.",
         Dimension::flux, from_zero(1e6)),
     key<DEVELOP, &DevelopSpec::bits>("develop.bits", "Bit depth of the sensor's converter.", kPure,
                                      {1, 16, false, false}),

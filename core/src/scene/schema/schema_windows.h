@@ -19,9 +19,9 @@ struct Words<WindowShape> {
 inline constexpr SchemaKey kWindowRows[] = {
     key<WINDOW, &WindowSpec::shape>(
         "windows[].shape",
-        "`plate` from z = 0 of its own frame to the thickness; `wedge`: the same, its second face "
-        "rises towards +y; `tube` around z, from z = 0 to the height; `dome`: a spherical shell "
-        "around the origin, its top at +z."),
+        "`plate` from z = 0 of its own frame to the thickness; `wedge`: its second face rises "
+        "towards +y; `tube` around z, from z = 0; `dome`: a spherical shell around the origin, its "
+        "top at +z."),
     key<WINDOW, &WindowSpec::name>("windows[].name", "Name for messages."),
     key<WINDOW, &WindowSpec::position>(
         "windows[].position", "World place of the origin of its own frame.", kLength, within(kFar)),
@@ -41,10 +41,9 @@ inline constexpr SchemaKey kWindowRows[] = {
                                     from_zero(1)),
     key<WINDOW, &WindowSpec::radius>("windows[].radius", "Tube and dome: radius of the outer face.",
                                      kLength, from_zero(kFar)),
-    key<WINDOW, &WindowSpec::height>("windows[].height",
-                                     "Tube: length; dome: from rim to top, equal to the radius for "
-                                     "a hemisphere, at most twice the radius.",
-                                     kLength, from_zero(kFar)),
+    key<WINDOW, &WindowSpec::height>(
+        "windows[].height", "Tube: length; dome: from rim to top, at most twice the radius.",
+        kLength, from_zero(kFar)),
     key<WINDOW, &WindowSpec::glass>(
         "windows[].glass", "Glass, named as for a lens (`FUSED-SILICA`, `N-BK7`); empty: `index`."),
     key<WINDOW, &WindowSpec::index>("windows[].index", "Refractive index, if no glass is named.",
@@ -53,8 +52,7 @@ inline constexpr SchemaKey kWindowRows[] = {
         "windows[].absorption", "Absorption coefficient of the glass, the same in every channel.",
         Dimension::absorption, from_zero(1e9)),
     key<WINDOW, &WindowSpec::fresnel>("windows[].fresnel",
-                                      "Whether the faces of the window reflect a part of the "
-                                      "light, which the picture then lacks."),
+                                      "Whether the faces of the window reflect light."),
 };
 
 #undef WINDOW
