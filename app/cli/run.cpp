@@ -151,13 +151,6 @@ int run(int argc, const char* const* argv) {
 
 namespace {
 
-/// " (--region, --margin)" for settings of an error; empty for none.
-std::string options_text(const std::vector<std::string>& settings) {
-  std::string text;
-  for (const std::string& setting : settings) text += (text.empty() ? " (--" : ", --") + setting;
-  return text.empty() ? text : text + ')';
-}
-
 /// @param ranks that help; nullptr: none
 int run_alone(int argc, const char* const* argv, std::optional<InterruptHandler>& interrupt,
               JobCommunicator* ranks) {
@@ -172,7 +165,7 @@ int run_alone(int argc, const char* const* argv, std::optional<InterruptHandler>
   } catch (const UsageError& error) {
     return fail(kBadUse, error.what());
   } catch (const Error& error) {
-    return fail(kFailure, error.what() + options_text(error.mended_by));
+    return fail(kFailure, message_with_options(error));
   } catch (const std::bad_alloc&) {
     return fail(kFailure, "not enough memory");
   } catch (const std::system_error& error) {

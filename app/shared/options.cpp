@@ -55,6 +55,13 @@ fs::path resolved(const std::string& path) {
 
 }  // namespace
 
+std::string message_with_options(const Error& error) {
+  std::string text = error.what();
+  for (std::size_t i = 0; i < error.mended_by.size(); ++i)
+    text += (i == 0 ? " (--" : ", --") + error.mended_by[i];
+  return error.mended_by.empty() ? text : text + ')';
+}
+
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension) {
   try {
     return parse_quantity(text, dimension);

@@ -9,6 +9,9 @@
 #include <thread>
 #include <utility>
 
+#include "options.h"
+#include "plenoflame/base/error.h"
+
 namespace plenoflame {
 namespace {
 
@@ -29,6 +32,8 @@ std::string message_of_current_exception() {
     throw;
   } catch (const std::bad_alloc&) {
     return "not enough memory";
+  } catch (const Error& error) {
+    return message_with_options(error);
   } catch (const std::exception& error) {
     return error.what();
   } catch (...) {

@@ -70,7 +70,21 @@ class CommandTest(unittest.TestCase):
             self.assertIn(text, result.stderr)
 
 
+def long(test):
+    """Marks a test that runs with PLENOFLAME_LONG_TESTS=1 alone."""
+    test.long = True
+    return test
+
+
+class Loader(unittest.TestLoader):
+    """All tests, or those that are not long."""
+
+    def getTestCaseNames(self, case):
+        return [name for name in super().getTestCaseNames(case)
+                if os.environ.get("PLENOFLAME_LONG_TESTS") or not hasattr(getattr(case, name), "long")]
+
+
 def main():
     if not os.access(COMMAND, os.X_OK):
         sys.exit("set PLENOFLAME_COMMAND to the command that is tested")
-    unittest.main()
+    unittest.main(testLoader=Loader())

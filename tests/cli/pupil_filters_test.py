@@ -2,7 +2,7 @@
 
 import json
 
-from command import CommandTest, main
+from command import CommandTest, long, main
 
 TEMPERATURE = 1600
 CAMERA = """[camera.lens]
@@ -118,6 +118,7 @@ class PupilFilters(CommandTest):
             total.append(sum(float(row[2]) for row in rows[1:]))
         self.assertLess(abs(total[1] / total[0] / 0.6 - 1), 0.02)
 
+    @long
     def test_one_channel_behind_two_filters_tells_temperature_and_absorption(self):
         flame = (FLAME.replace("2000 1/m", "60 1/m").replace("50 mm", "4 mm") +
                  '[flames.spectrum]\nkind = "power"\nreference = "725 nm"\nexponent = 1\n')

@@ -14,7 +14,7 @@ import zipfile
 import numpy
 
 import command
-from command import CommandTest, main
+from command import CommandTest, long, main
 
 EXAMPLES = pathlib.Path(__file__).resolve().parents[2] / "examples"
 def npy(content):
@@ -78,6 +78,7 @@ class Reconstruct(CommandTest):
         self.assertIn("temperature_deviation", json.dumps(grids))
         self.assertIn("explained", self.succeeds("info", "left.exr"))
 
+    @long
     def test_voxels_from_two_cameras_and_from_one(self):
         both, warnings = self.reconstruct(
             "front.toml", "side.toml", "--images", "front-electrons.exr", "side-electrons.exr",
@@ -91,6 +92,7 @@ class Reconstruct(CommandTest):
         self.assertIn("times worse", warnings)
         self.assertLess(both["truth_emission_error"], one["truth_emission_error"])
 
+    @long
     def test_emission_without_absorption_and_the_flame_is_a_flame(self):
         found, _ = self.reconstruct("front.toml", "--images", "front.exr", "--unknowns", "rings", "--grid", "8,16",
                                     "-o", "glow.vdb")
@@ -110,6 +112,7 @@ class Reconstruct(CommandTest):
              "--rays", "16")
     FINE_RINGS = RINGS[:5] + ("--grid", "16,32", "--bin", "2", "--rays", "64")
 
+    @long
     def test_every_solver_finds_about_the_same(self):
         """Two programs for the same minimum agree; the others differ by what penalties and stops make of it."""
         errors, misfits = {}, {}
@@ -290,6 +293,7 @@ class Reconstruct(CommandTest):
         refused("my front.toml", "--operator", "a.npz", "--options", "--compiled no.bundle", mentions="no.bundle", status=1)
         self.assertNotIn("x.sh", self.files())
 
+    @long
     def test_compiled_cameras(self):
         """Rows are the rays of the bundle: the picture that it renders, explained by noise; and what does not belong."""
         self.succeeds("compile", "front.toml", "--margin", "2 mm", "--error", "0.5%", "-o", "front.bundle", "--quiet")
@@ -431,6 +435,7 @@ class Reconstruct(CommandTest):
         self.assertEqual(self.run_command(*words).returncode, 0)
         self.assertEqual({name: self.read(name) for name in names}, written)
 
+    @long
     def test_a_matrix_that_does_not_fit_is_not_stored(self):
         """Rays are followed again in each iteration, to the same result; solvers that need its rows refuse."""
         common = ("front.toml", "--images", "front-electrons.exr", "--grid", "12", "--rays", "8", "--bin", "2", "--strength", "1e-4",
@@ -464,6 +469,7 @@ class Reconstruct(CommandTest):
 
     REFINE = ("--unknowns", "rings", "--grid", "12,24", "--rays", "16")
 
+    @long
     def test_refine_finds_a_camera_that_stands_aside(self):
         # A round flame before one camera: what the scene has wrong is the axis in its picture, which is its place.
         refined, _ = self.reconstruct("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr", *self.REFINE,
@@ -482,6 +488,7 @@ class Reconstruct(CommandTest):
         self.assertLess(abs(found["axis"]["point"][1] / 0.5e-3 - 1), 0.1)
         self.assertFalse([one for one in found["suspects"] if one["named"] and one["quantity"] == "right"])
 
+    @long
     def test_cameras_are_tested_with_temperatures(self):
         found, warnings = self.reconstruct("front.toml", "--set", "camera.position=0 m, 0.5 mm, 0 m", "--images", "front-electrons.exr",
                                            *self.REFINE, "--absorption", "scene", "--find", "temperature", "-o", "hot.vdb", "--draws", "12")

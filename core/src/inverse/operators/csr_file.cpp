@@ -390,7 +390,7 @@ CsrMatrix<float> merge_csr(const std::vector<std::string>& paths) {
   for (const std::string& path : paths) {
     CsrPart own;
     CsrMatrix<float> matrix = read_csr(path, &own);
-    if (own.part.is_whole()) throw InputError(path + ": is a whole matrix, and no part of one");
+    if (own.part.is_whole()) throw InputError(path + ": is no part of a matrix: it is whole");
     if (parts.empty()) first = own, columns = matrix.columns();
     if (own.part.count != first.part.count || own.work != first.work || matrix.columns() != columns)
       throw InputError(
