@@ -14,6 +14,7 @@
 #include <system_error>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 
 namespace plenoflame {
 namespace {
@@ -57,9 +58,11 @@ fs::path resolved(const std::string& path) {
 
 std::string message_with_options(const Error& error) {
   std::string text = error.what();
-  for (std::size_t i = 0; i < error.mended_by.size(); ++i)
-    text += (i == 0 ? " (--" : ", --") + error.mended_by[i];
-  return error.mended_by.empty() ? text : text + ')';
+  const auto* mended = dynamic_cast<const MendedBy*>(&error);
+  if (!mended) return text;
+  for (std::size_t i = 0; i < mended->names.size(); ++i)
+    text += (i == 0 ? " (--" : ", --") + mended->names[i];
+  return text + ')';
 }
 
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension) {

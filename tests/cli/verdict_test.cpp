@@ -5,6 +5,7 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 #include "reconstruct_verdict.h"
 
 namespace plenoflame::verdict_test {

@@ -7,6 +7,7 @@
 #include "image/jpeg_picture.h"
 #include "image/tiff_pages.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
 

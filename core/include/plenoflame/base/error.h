@@ -1,8 +1,6 @@
 #pragma once
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 namespace plenoflame {
 
@@ -20,16 +18,7 @@ std::string to_string(const SourcePosition& position);
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-  /// Names of settings that mend it, "region"; a front end says how it calls them.
-  std::vector<std::string> mended_by = {};
 };
-
-/// An error with the names of settings that mend it.
-template <class Kind>
-Kind mended_by(Kind error, std::vector<std::string> settings) {
-  error.mended_by = std::move(settings);
-  return error;
-}
 
 /// A scene, flame or other input is wrong. The command line ends with status 1.
 class InputError : public Error {

@@ -8,6 +8,7 @@
 
 #include "lightfield/export/export_files.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 
 namespace plenoflame {
 namespace {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/ray_stream.h"

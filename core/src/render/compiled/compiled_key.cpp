@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/scene_differences.h"
