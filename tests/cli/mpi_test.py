@@ -11,7 +11,7 @@ import sys
 import time
 
 import command
-from command import CommandTest, main
+from command import CommandTest, long, main
 
 SCENE = """[camera]
 preset = "paper-plenoptic2"
@@ -50,6 +50,7 @@ class Ranks(CommandTest):
             self.assertEqual(self.read("all.exr"), self.read("one.exr"), ranks)
             self.assertEqual(json.loads(self.read("all.json"))["ranks"], ranks)
 
+    @long
     def test_pictures_by_a_compiled_camera(self):
         self.succeeds("compile", "a.toml", *WINDOW, "--level", "1", "--samples", "16", "--margin", "3mm", "-o", "a.bundle", "--quiet")
         options = ("--compiled", "a.bundle", "--set", "flames[0].brightness=0.5", "--quiet")
@@ -81,6 +82,7 @@ class Ranks(CommandTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.assertEqual(self.read("all.exr"), self.read("one.exr"))
 
+    @long
     def test_moments_of_cameras(self):
         # Scenes come back: with the other camera, and in the passes of a target error.
         self.write("move.csv", "time [ms],y [mm]\n0,-4\n2,4\n")
@@ -148,6 +150,7 @@ look_direction = [0, 1, 0]
                 self.assertEqual((result.returncode, result.stderr), (0, ""), ranks)
                 self.assert_same("one" + form, f"all{form}{ranks}")
 
+    @long
     def test_what_is_wrong_with_a_run_of_a_sweep_is_said_once(self):
         self.runs([1, 0.5, "none.vdb", 0.5], "flames[0].brightness")
         result = self.sweep(3, "set")
@@ -162,6 +165,7 @@ look_direction = [0, 1, 0]
         self.assertEqual(len(lines), 1, result.stderr)
         self.assertIn("missing.vdb", lines[0])
 
+    @long
     def test_a_rank_of_a_sweep_that_dies_costs_no_more_than_its_runs(self):
         self.runs([1 - 0.01 * run for run in range(12)])
         options = ("sweep", "a.toml", "--table", "runs.csv", "--window", "1400,1400,128,128", "--samples", "512", "--quiet",

@@ -68,12 +68,13 @@ class Outputs(CommandTest):
 
     def refused(self, words, mentions, name=None):
         """`words`, with what else they lack, end with a message. Runs of the command `name` lack about the same."""
+        lacked = self.lacked.setdefault(name, []) if name else []
         options = {word.split("=")[0] for word in words}
-        words = words + [word for word in self.lacked.get(name, []) if not word.startswith("-") or word.split("=")[0] not in options]
+        words = words + [word for word in lacked if not word.startswith("-") or word.split("=")[0] not in options]
         result = self.run_command(*words)
         if " is required" in result.stderr:
             complete = self.with_what_is_required(words)
-            self.lacked.setdefault(name, []).extend(complete[len(words):])
+            lacked.extend(complete[len(words):])
             result = self.run_command(*complete)
         self.is_failure(result, 2, mentions)
 

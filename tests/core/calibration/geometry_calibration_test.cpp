@@ -11,6 +11,7 @@
 
 #include "plenoflame/base/error.h"
 #include "support/approx.h"
+#include "support/length.h"
 
 namespace plenoflame::test::geometry_calibration_test {
 namespace {
@@ -234,6 +235,7 @@ CameraSpec distorting() {
 }
 
 TEST(GeometryCalibration, DistortionComesBack) {
+  if (!in_full()) return;
   const Seen seen = observe(distorting(), 6, 0);
   GeometrySettings settings;
   settings.free = {"usual", "camera.lens.distortion"};
