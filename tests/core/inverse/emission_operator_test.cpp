@@ -326,8 +326,8 @@ TEST_P(DrawnAgain, HasTheBitsOfKeptRaysAndHoldsNone) {
   EXPECT_EQ(estimated_entries(of_kept), estimated_entries(of_drawn));
 }
 INSTANTIATE_TEST_SUITE_P(Rows, DrawnAgain,
-                         testing::Values(Rows{1, 0, 4, 48}, Rows{3, 0, 4, 72}, Rows{1, 1, 4, 72},
-                                         Rows{1, 3, 4, 56}, Rows{1, 0, 2048, 16}),
+                         testing::Values(Rows{1, 0, 4, 48}, Rows{3, 0, 4, 72}, Rows{1, 1, 8, 72},
+                                         Rows{1, 3, 8, 56}, Rows{1, 0, 2048, 16}),
                          [](const auto& rows) {
                            return "bin" + std::to_string(rows.param.bin) + "cells" +
                                   std::to_string(rows.param.cells) + "rays" +

@@ -187,7 +187,7 @@ TEST(Cameras, LikeTakesValuesThatAreSetAsThoseOfTheFile) {
   EXPECT_EQ(
       message_of([&] { set({"cameras.left.name=west"}); }),
       "three.toml:7:8: cameras[1].like: there is no camera \"left\" before it; known are west");
-  EXPECT_EQ(message_of([&] { set({"cameras.lefft.sensor.rows=3"}); }).substr(0, 100),
+  EXPECT_EQ(message_of([&] { set({"cameras.lefft.sensor.rows=3"}); }).substr(0, 102),
             "setting cameras.lefft.sensor.rows: cameras is a list, and none of its items is named "
             "\"lefft\"; did you ");
   EXPECT_NE(message_of([&] { set({"cameras[3].sensor.rows=3"}); }).find("there is no number 3"),
