@@ -88,6 +88,8 @@ class PupilFilters(CommandTest):
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertIn('no pupil filter transmits light of channel "sensor", so its picture is black', result.stderr)
         self.assertEqual(self.json_of("info", "a.exr")["channels"][0]["largest_W"], 0)
+        figures = self.run_command("render", "a.toml", "-o", "a.exr", "--samples", "4")
+        self.assertRegex(figures.stdout, "error: +none: no pixel is lit")
         # A channel that passes beside one that does not: a filter that was meant for another channel.
         self.write("a.toml", CAMERA + sector("red", 0, 0, "640 nm 0, 650 nm 0.9, 660 nm 0") + CHANNEL.replace("sensor", "blue").replace(
             "725", "450").replace("400", "20") + CHANNEL + FLAME)

@@ -36,6 +36,14 @@ struct Rig {
     for (std::size_t j = 0; j < unknowns->size(); ++j) truth.push_back(field(unknowns->place(j)));
   }
 
+  void get_ready(int iterations) {
+    set_truth();
+    settings.rays.samples = 16;
+    settings.iterations = iterations;
+    settings.draws = settings.probes = 0;
+    settings.ray_noise = false;  // the pictures are made of the same rays
+  }
+
   /// Fluxes of the operator that is inverted.
   ReconstructionInput input(double noise, std::uint64_t seed = 5) const {
     return measured(*unknowns, truth, absorption, settings.rays, noise, seed);
@@ -108,11 +116,7 @@ inline Rig ring_rig() {
   grid.rings *= 4;
   grid.heights = 4 * (grid.heights - 1) + 1;
   rig.finer = make_ring_unknowns(grid);
-  rig.set_truth();
-  rig.settings.rays.samples = 16;
-  rig.settings.iterations = 400;
-  rig.settings.draws = rig.settings.probes = 0;
-  rig.settings.ray_noise = false;  // the pictures are made of the same rays
+  rig.get_ready(400);
   return rig;
 }
 
@@ -132,11 +136,7 @@ inline Rig voxel_rig(bool two) {
   lattice.count = {33, 33, 33};
   lattice.index_to_world.linear = {{{{0.275e-3, 0, 0}, {0, 0.275e-3, 0}, {0, 0, 0.5e-3}}}};
   rig.finer = make_voxel_unknowns(lattice);
-  rig.set_truth();
-  rig.settings.rays.samples = 16;
-  rig.settings.iterations = 200;
-  rig.settings.draws = rig.settings.probes = 0;
-  rig.settings.ray_noise = false;  // the pictures are made of the same rays
+  rig.get_ready(200);
   return rig;
 }
 
