@@ -58,6 +58,8 @@ class Compare(CommandTest):
         self.assertRegex(text, r"verdict: +nothing more than noise is seen\n")
         self.assertRegex(text, r"bias: +[+-][0-3]\.\d\d standard errors\n")
         self.assertRegex(text, r"single pixels: +\S+ times the expected mean square\n")
+        write_light_field(self.path("bright.exr"), [[10 * v for v in row] for row in light], errors)
+        self.assertRegex(self.succeeds("compare", "bright.exr", "b.exr"), r"bias: +\+\d{3,} standard errors\n")
         self.assertRegex(text, r"largest: +-?[2-5]\.\d of its errors at pixel \d+,\d+, as is usual")
         self.assertNotIn("probability", text)
         self.assertIs(self.json_of("compare", "a.exr", "b.exr")["more_than_noise"], False)
