@@ -4,11 +4,11 @@
 
 namespace plenoflame {
 
-/// Fills in what later steps need beside the images: the scene's text, the version, and the derived
-/// figures of the camera ("lens.focal_length", "array.pitch", ...; SI units).
+/// Adds the data that later steps need beside the images: the scene's text, the version, and
+/// derived values of the camera ("lens.focal_length", "array.pitch", ...; SI units).
 /// @throws InputError as write_scene
 void describe(const CompiledScene& scene, LightField& field);
-/// The same of a camera alone: flames and lights of the scene are not opened.
+/// The same for a camera alone: flames and lights of the scene are not opened.
 void describe(const Scene& scene, const Camera& camera, LightField& field);
 
 }  // namespace plenoflame

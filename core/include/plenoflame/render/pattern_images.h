@@ -16,15 +16,15 @@ struct PatternImage {
 };
 
 /// The images of all points of the scene's checkerboards and dot grids, in the order of the scene,
-/// microlens by microlens; images whose centroid is off the sensor are left out, and so are points
-/// that other surfaces hide.
+/// microlens by microlens. Images whose centroid is off the sensor are left out. Points that other
+/// surfaces hide are left out, too.
 /// @param rays over the camera's aperture, for each point
 /// @throws InputError when the scene has no such patterns, Cancelled when stopped
 std::vector<PatternImage> pattern_images(const CompiledScene& scene, int rays,
                                          const Execution& execution);
 
-/// A table with a line for each image, as CSV; lengths in m. Written under a temporary name and
-/// renamed. @throws FileError
+/// Writes a CSV table with a line for each image; lengths in m. The file has a temporary name until
+/// it is complete. @throws FileError
 void write_pattern_images(const std::string& path, const CompiledScene& scene,
                           const std::vector<PatternImage>& images);
 

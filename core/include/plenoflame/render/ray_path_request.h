@@ -9,14 +9,14 @@
 
 namespace plenoflame {
 
-/// Bundles of rays that are wanted together, and which of their rays to keep.
+/// Bundles of rays to trace together, and which of their rays to keep.
 struct RayPathRequest {
   std::vector<Pixel> pixels;           ///< all rays of each
   std::vector<LensIndex> microlenses;  ///< all rays through each
   std::vector<Vec3> points;            ///< [m] world; rays from there towards the camera
-  int random_pixels = 0;               ///< so many further pixels at random
+  int random_pixels = 0;               ///< number of further pixels, chosen at random
   bool chief_rays = false;             ///< the chief ray of every microlens
-  int rays_per_pixel = 64;             ///< and microlens
+  int rays_per_pixel = 64;             ///< and per microlens
   int rays_per_point = 64;
   int flame_samples = 0;              ///< RayPaths::flame_samples
   std::optional<std::uint64_t> seed;  ///< none: the scene's

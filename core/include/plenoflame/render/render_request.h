@@ -7,18 +7,19 @@
 
 namespace plenoflame {
 
-/// Settings of a caller in place of those of the scene; those that are not set are the scene's.
+/// Settings of a caller that replace those of the scene. Settings without a value come from the
+/// scene.
 struct RenderRequest {
   std::optional<Estimator> estimator;
-  std::optional<int> samples;          ///< with a target or a time limit: at most so many
+  std::optional<int> samples;          ///< with a target or a time limit: the largest number
   std::optional<double> target_error;  ///< relative, as RenderSettings::target_error
   std::optional<double> time_limit;    ///< [s]
   std::optional<std::uint64_t> seed;
 };
 
 /// The settings with which every front end renders a scene: estimator, samples, replicates, target,
-/// limit and seed. The number of samples that is made for the other estimator, or for a picture
-/// without a target, is no limit.
+/// limit and seed. A number of samples for the other estimator, or for a picture without a target,
+/// is no limit.
 RenderSettings render_settings(const Scene& scene, const RenderRequest& request = {});
 
 }  // namespace plenoflame

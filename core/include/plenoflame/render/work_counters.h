@@ -3,15 +3,15 @@
 
 namespace plenoflame {
 
-/// Counts of a table that stands in for the medium (RadianceTable).
+/// Counts of a table that replaces the medium (RadianceTable).
 struct TableCounters {
-  double looked_up = 0;  ///< rays whose radiance is the table's
+  double looked_up = 0;  ///< rays whose radiance comes from the table
   double corrected = 0;  ///< rays that were integrated to correct the table
   double rough = 0;      ///< rays integrated because the table is not smooth there
   double nodes = 0;      ///< rays integrated to fill the table
-  /// Sums (of a pixel's rays through one microlens, of one randomisation) that a correction made
-  /// negative and that count as 0, and what that adds to the picture's sum, which is `total` (both
-  /// in the same arbitrary unit).
+  /// `clamped` counts sums (of a pixel's rays through one microlens, of one replicate) that a
+  /// correction made negative. They count as 0, which adds `clamped_sum` to the picture's sum
+  /// `total`. Both have the same arbitrary unit.
   double clamped = 0, clamped_sum = 0, total = 0;
   TableCounters& operator+=(const TableCounters& other);
 };
@@ -22,16 +22,16 @@ struct StageSeconds {
   StageSeconds& operator+=(const StageSeconds& other);
 };
 
-/// Counts of the work that was done: those of all workers, tiles and rounds are added up.
+/// Counts of the work that was done, added up over all workers, tiles and rounds.
 struct WorkCounters {
-  double rays = 0;            ///< sent
-  double rays_reached = 0;    ///< of these, left the camera towards the scene (forward: arrived on
-                              ///< the sensor)
+  double rays = 0;  ///< rays that were started
+  /// Rays that left the camera towards the scene (forward: arrived on the sensor).
+  double rays_reached = 0;
   double pairs = 0;           ///< pixels x microlenses that cover them
-  double pairs_skipped = 0;   ///< whose beams miss the flame while others of the lens do not
+  double pairs_skipped = 0;   ///< pairs whose beams miss the flame; the lens has others
   double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
-  double tiles = 0;           ///< of the film that were rendered, in all rounds
-  double tiles_skipped = 0;   ///< of these, without any ray
+  double tiles = 0;           ///< rendered tiles of the film, in all rounds
+  double tiles_skipped = 0;   ///< tiles without any ray
   MediumCounters medium;
   TableCounters table;
   StageSeconds stages;
