@@ -19,9 +19,8 @@ class Device:
 
 RENDER = "core/src/render/"
 FRAME = RENDER + "sampling/microlens_frame.cpp"
-PAIRS = RENDER + "tracer/backward_pairs.cpp"
+SAMPLER = RENDER + "tracer/pixel_sampler.cpp"
 AIM = RENDER + "sampling/aim_edges_kernel.inl.h"
-BEAMS = RENDER + "visibility/pixel_beams.cpp"
 
 # Wanted by every measurement: processor time, so that other programs disturb less.
 COMMON = [
@@ -33,7 +32,7 @@ COMMON = [
 
 DEVICES = [
     Device("bounds of the pupil", "Sensor points aim at the unvignetted part of the microlens' aperture only (`PupilCuts`).",
-           [(PAIRS, "made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;",
+           [(SAMPLER, "made.cuts = rows_.far2[k] <= opens * opens ? &whole_ : &cuts;",
              "made.cuts = WITHOUT(bounds of the pupil) || rows_.far2[k] <= opens * opens ? &whole_ : &cuts;")],
            ["core/src/camera/pupil/pupil_cut.cpp", "core/src/camera/pupil/widen_cuts.cpp", "core/src/camera/pupil/pupil_outline.cpp"],
            ["tests/core/camera/pupil_cut_test.cpp"]),
@@ -46,17 +45,13 @@ DEVICES = [
              "frame.finds_far = node.far_reach > 0 && !ideal_array && !WITHOUT(step to the far rim);")],
            [(AIM, "PLENOFLAME_INLINE void find_far_rim(", "}")], []),
     Device("levels of worth", "Pixels that see little of a microlens get fewer points (`WorthLevels`).",
-           [(PAIRS, "plan_.levels[static_cast<std::size_t>(std::min(worth, last_level))];",
+           [(SAMPLER, "plan_.levels[static_cast<std::size_t>(std::min(worth, last_level))];",
              "plan_.levels[static_cast<std::size_t>(WITHOUT(levels of worth) ? 0 : std::min(worth, last_level))];")],
            [RENDER + "sampling/worth_levels.cpp", RENDER + "sampling/worth_levels.h"], []),
     Device("skipping of microlenses", "Microlenses whose beams miss the flame are skipped (`BeamBounds`).",
-           [(RENDER + "tracer/backward_rows.cpp", "if (visibility == Visibility::none) return;",
-             "if (visibility == Visibility::none && !WITHOUT(skipping of microlenses)) return;")],
+           [(SAMPLER, "if (plan_.beams && !plan_.beams->lenses().may_meet(type, lens_place)) return;",
+             "if (!WITHOUT(skipping of microlenses) && plan_.beams && !plan_.beams->lenses().may_meet(type, lens_place)) return;")],
            [RENDER + "visibility/beam_bounds.cpp", RENDER + "visibility/beam_bounds.h"], ["tests/core/render/skipping_test.cpp"]),
-    Device("skipping of pixels", "Pixels whose beams miss the flame are skipped, behind microlenses whose beams meet it (`PixelBeams`).",
-           [(RENDER + "tracer/backward_rows.cpp", "if (visibility == Visibility::partial && plan_.beams->pixels()) {",
-             "if (visibility == Visibility::partial && plan_.beams->pixels() && !WITHOUT(skipping of pixels)) {")],
-           [BEAMS, RENDER + "visibility/pixel_beams.h"], ["tests/core/render/pixel_beams_test.cpp"]),
     Device("control variate", "A table gives the radiance of grids; some rays correct it (`RadianceTable`).",
            [(RENDER + "estimators/backward.cpp", "if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;",
              "if (WITHOUT(control variate) || !settings.control_variate || !in_single_precision(scene, settings)) return nullptr;")],

@@ -15,10 +15,10 @@ INK, STAGE, CONSUMER, GIVEN = "#222222", "#dbe9f6", "#e3f1df", "#f3ead7"
 STAGES = [
     ("CompiledScene", "camera, pupil tables,\nmedium, surfaces, lights", ["scene/compile.h"], "BackwardPlan"),
     ("PixelSampler", "which pixels through which microlenses,\nhow many points of which sequence",
-     ["backward_rows.cpp", "backward_pairs.cpp", "worth_levels.h"], "KernelPixel"),
-    ("RayGenerator", "points of sensor and pupil,\naims at the stop's edge, etendue", ["ray_stages_kernel.inl.h", "backward_kernel.inl.h",
+     ["pixel_sampler.h", "pixel_row_kernel.inl.h", "worth_levels.h"], "KernelPixel"),
+    ("RayGenerator", "points of sensor and pupil,\naims at the stop's edge, etendue", ["ray_generator.h", "backward_kernel.inl.h",
                                                                               "aim_edges_kernel.inl.h"], "DrawnRays"),
-    ("CameraTracer", "microlens, main lens, into the world", ["camera_kernel.inl.h", "surface_kernel.h"], "TracedRays"),
+    ("CameraTracer", "microlens, main lens, into the world", ["camera_tracer.h", "camera_kernel.inl.h"], "TracedRays"),
 ]
 CONSUMERS = [
     ("PictureTracer", "RadianceIntegrator, FilmSums:\nthe picture", ["picture_tracer.h", "radiance_integrator.h", "film_sums.h"],
@@ -67,7 +67,7 @@ def draw():
     x, top = 0.5, 6.6
     axes.add_patch(matplotlib.patches.Rectangle((x - 0.25, top - 3 * step - 0.2), width + 0.5, 3 * step - 0.22, fill=False, ls="--",
                                                 lw=0.8, edgecolor="#777777"))
-    axes.text(x - 0.2, top - 3 * step - 0.28, "TileTracer: 64 x 64 pixels, one worker", fontsize=8, va="top", color="#555555")
+    axes.text(x - 0.2, top - 3 * step - 0.28, "one worker, 64 x 64 pixels at a time", fontsize=8, va="top", color="#555555")
     for k, (name, about, files, handed) in enumerate(STAGES):
         y = top - k * step
         box(axes, x, y, width, height, STAGE if k else GIVEN, name, about, files)

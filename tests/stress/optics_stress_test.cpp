@@ -8,7 +8,7 @@
 #include "plenoflame/base/isa.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/optics/lens_system.h"
-#include "render/tracer/backward_tile.h"
+#include "render/tracer/pixel_sampler.h"
 #include "stress/quad_optics.h"
 #include "stress/stress_table.h"
 #include "support/cameras.h"

@@ -6,7 +6,7 @@
 #include "plenoflame/film/film.h"
 #include "plenoflame/media/layered_medium.h"
 #include "plenoflame/render/render.h"
-#include "render/tracer/backward_tile.h"
+#include "render/tracer/pixel_sampler.h"
 #include "stress/stress_table.h"
 #include "support/cameras.h"
 #include "support/flame_scenes.h"

@@ -12,7 +12,7 @@
 
 #include "plenoflame/render/render.h"
 #include "render/sampling/microlens_frame.h"
-#include "render/tracer/backward_tile.h"
+#include "render/tracer/pixel_sampler.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 #include "support/isas.h"

@@ -164,46 +164,41 @@ class NodeIntegrator {
 };
 
 template <class Real>
-void add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
-               const RenderSettings& settings, const std::string& name, const NextTile& next,
-               const Execution& execution, Film& film, RenderStatistics& statistics,
-               const TileDone& tile_done) {
-  std::vector<std::unique_ptr<NodePath>> paths;
-  std::size_t nodes = 1, parts = 1;
-  for (const CompiledScene& path : scene.paths()) {
-    paths.push_back(std::make_unique<NodePath>(path));
-    nodes = std::max(nodes, static_cast<std::size_t>(path.node_count()));
-    parts = std::max(parts, path.part_mixes.size());
-  }
-  MediumOptions options;
-  options.isa = settings.isa;
-  options.skip = settings.skip;
-  // A tile of the camera may overlap four tiles of the film. Only one worker adds to each of these.
-  const Film tiles(camera.window, 1, 1);
-  const auto threads = static_cast<std::size_t>(execution.thread_count());
-  std::mutex mutex;
-  std::atomic<bool> failed = false;
-  parallel_for(execution, threads, [&](std::size_t, int) {
-    NodeIntegrator<Real> own(camera, paths, options, nodes);
-    try {
-      while (!failed && !execution.stop.stop_requested()) {
-        const std::optional<TileJob> job = next();
-        if (!job) break;
-        const double before = own.counters().rays;
-        own.add_to(job->tile, tiles, film, [&](std::size_t tile) {
-          return content_for(camera, tile, paths.size(), parts, name);
-        });
-        film.add_samples(job->tile, 1);
-        const std::lock_guard lock(mutex);
-        if (tile_done) tile_done(*job, own.counters().rays - before);
-      }
-    } catch (...) {
-      failed = true;
-      throw;
+TileWork work_of(const CompiledScene& scene, const CompiledCamera& camera,
+                 const RenderSettings& settings, const std::string& name) {
+  return [&scene, &camera, &settings, name](const NextTile& next, const Execution& execution,
+                                            Film& film, RenderStatistics& statistics,
+                                            const TileDone& tile_done) {
+    std::vector<std::unique_ptr<NodePath>> paths;
+    std::size_t nodes = 1, parts = 1;
+    for (const CompiledScene& path : scene.paths()) {
+      paths.push_back(std::make_unique<NodePath>(path));
+      nodes = std::max(nodes, static_cast<std::size_t>(path.node_count()));
+      parts = std::max(parts, path.part_mixes.size());
     }
-    const std::lock_guard lock(mutex);
-    static_cast<WorkCounters&>(statistics) += own.counters();
-  });
+    MediumOptions options;
+    options.isa = settings.isa;
+    options.skip = settings.skip;
+    // A tile of the camera may overlap four tiles of the film. Only one worker adds to each of
+    // these.
+    const Film tiles(camera.window, 1, 1);
+    std::vector<std::optional<NodeIntegrator<Real>>> integrators(
+        static_cast<std::size_t>(execution.thread_count()));
+    std::mutex mutex;
+    run_jobs(next, execution, [&](const TileJob& job, int worker) {
+      auto& own = integrators[static_cast<std::size_t>(worker)];
+      if (!own) own.emplace(camera, paths, options, nodes);
+      const double before = own->counters().rays;
+      own->add_to(job.tile, tiles, film, [&](std::size_t tile) {
+        return content_for(camera, tile, paths.size(), parts, name);
+      });
+      film.add_samples(job.tile, 1);
+      const std::lock_guard lock(mutex);
+      if (tile_done) tile_done(job, own->counters().rays - before);
+    });
+    for (const auto& each : integrators)
+      if (each) static_cast<WorkCounters&>(statistics) += each->counters();
+  };
 }
 
 bool is_single(const CompiledScene& scene, const RenderSettings& settings) {
@@ -227,10 +222,9 @@ bool add_all_tiles(const TileWork& work, const RenderSettings& settings, const E
     if (execution.progress) execution.progress(progress);
   };
   if (settings.ranks && settings.ranks->size() > 1) {
-    const std::vector<PointRange> ranges{{0, 1, false}};
     RankTiles ranks(*settings.ranks, settings, execution.stop);
-    ranks.begin_pass(ranges);
-    if (!ranks.run(work, ranges, jobs, execution, film, result.statistics, tell)) return false;
+    ranks.begin_pass({{0, 1, false}});
+    if (!ranks.run(work, jobs, execution, film, result.statistics, tell)) return false;
     ranks.end_pass(result.statistics);
     return true;
   }
@@ -248,12 +242,8 @@ bool add_all_tiles(const TileWork& work, const RenderSettings& settings, const E
 
 TileWork compiled_work(const CompiledScene& scene, const CompiledCamera& camera,
                        const RenderSettings& settings, const std::string& name) {
-  const auto add = is_single(scene, settings) ? add_tiles<float> : add_tiles<double>;
-  return [&scene, &camera, &settings, name, add](const NextTile& next, const Execution& execution,
-                                                 Film& film, RenderStatistics& statistics,
-                                                 const TileDone& tile_done) {
-    add(scene, camera, settings, name, next, execution, film, statistics, tile_done);
-  };
+  return is_single(scene, settings) ? work_of<float>(scene, camera, settings, name)
+                                    : work_of<double>(scene, camera, settings, name);
 }
 
 RenderResult render_compiled(const CompiledScene& scene, const CompiledCamera& camera,

@@ -67,18 +67,91 @@ std::shared_ptr<const SobolPools> make_pools(const RenderSettings& settings,
   return pools;
 }
 
+/// The plans of a range, one for each path.
 template <class Real>
-BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
-                             const RenderSettings& settings, const PointRange& range,
-                             std::shared_ptr<const SobolPools> pools, const SurfaceLightPlan* light,
-                             const ScatterPlan* scatter) {
-  const std::uint32_t first = range.first;
+using PathPlans = std::vector<std::unique_ptr<const BackwardPlan<Real>>>;
+
+/// The tracer of one thread. It belongs to a plan until jobs of another plan arrive.
+template <class Real>
+class Tracer {
+ public:
+  PictureTracer<Real>& of(const BackwardPlan<Real>& plan, Film& film) {
+    if (&plan != plan_) {
+      if (current_) counters_ += current_->counters();
+      current_ = std::make_unique<PictureTracer<Real>>(plan, film);
+      plan_ = &plan;
+    }
+    return *current_;
+  }
+  WorkCounters counters() const {
+    WorkCounters all = counters_;
+    if (current_) all += current_->counters();
+    return all;
+  }
+
+ private:
+  const BackwardPlan<Real>* plan_ = nullptr;
+  std::unique_ptr<PictureTracer<Real>> current_;
+  WorkCounters counters_;  ///< counts of earlier tracers
+};
+
+template <class Real>
+void run_plans(const std::vector<PathPlans<Real>>& plans, const NextTile& next,
+               const Execution& execution, Film& film, RenderStatistics& statistics,
+               const TileDone& tile_done) {
+  const auto workers = static_cast<std::size_t>(execution.thread_count());
+  std::vector<Tracer<Real>> tracers(workers);
+  std::vector<std::vector<double>> memory(workers);  // of tiles' sums
+  const auto start = std::chrono::steady_clock::now();
+  std::mutex mutex;
+  std::size_t done = 0;
+  run_jobs(next, execution, [&](const TileJob& job, int number) {
+    const auto worker = static_cast<std::size_t>(number);
+    const PathPlans<Real>& paths = plans[job.range];
+    double new_rays = 0;
+    if (film.allows_finishing()) film.lend(job.tile, std::move(memory[worker]));
+    for (const auto& path : paths) {
+      PictureTracer<Real>& tracer = tracers[worker].of(*path, film);
+      new_rays -= tracer.rays();
+      tracer.render(job.tile);
+      new_rays += tracer.rays();
+    }
+    film.add_samples(job.tile, paths.front()->points.points);
+    if (film.allows_finishing()) memory[worker] = film.finish(job.tile);
+    const std::lock_guard lock(mutex);
+    ++done;
+    if (tile_done) tile_done(job, new_rays);
+  });
+  WorkCounters work;
+  for (const auto& tracer : tracers) work += tracer.counters();
+  work.tiles = static_cast<double>(done);
+  const StageSeconds& stages = work.stages;
+  work.stages.generate = std::max(0.0, seconds_since(start) * static_cast<double>(workers) -
+                                           stages.optics - stages.medium - stages.surfaces);
+  statistics += work;
+}
+
+}  // namespace
+
+template <class Real>
+BackwardKernels<Real> backward_kernels(Isa isa) {
+  PLENOFLAME_DISPATCH(isa, return {kernels::generate, kernels::multiply, kernels::add_neighbours,
+                                   kernels::sum, kernels::set_up_rows};)
+}
+template BackwardKernels<float> backward_kernels<float>(Isa);
+template BackwardKernels<double> backward_kernels<double>(Isa);
+
+template <class Real>
+BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
+                                  const RenderSettings& settings, const PointRange& range,
+                                  const PathLight& light, std::shared_ptr<const SobolPools> pools) {
+  if (!pools) pools = make_pools(settings, range);
   BackwardPlan<Real> plan;
   plan.scene = &scene;
   plan.medium = &medium;
   plan.settings = &settings;
-  plan.scatter = scatter;
-  plan.first = first;
+  plan.scatter = light.scatter.get();
+  plan.points = range;
   plan.kernels = backward_kernels<Real>(settings.isa);
   plan.optics = camera_kernels<Real>(settings.isa);
   const Camera& camera = scene.camera;
@@ -110,117 +183,18 @@ BackwardPlan<Real> make_plan(const CompiledScene& scene, const Medium& medium,
     plan.blur.emplace(blur);
     plan.blur->fill(plan.blur_of_pixels);
   }
-  if (light)
-    plan.surfaces =
-        std::make_unique<BackwardSurfacePlan>(*light, settings, first, plan.pools(), plan.anchor);
+  if (light.surfaces)
+    plan.surfaces = std::make_unique<BackwardSurfacePlan>(*light.surfaces, settings, range.first,
+                                                          plan.pools(), plan.anchor);
   return plan;
-}
-
-/// The tracer of one thread. It belongs to a range until jobs of another range arrive.
-template <class Real>
-class Tracer {
- public:
-  explicit Tracer(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans)
-      : plans_(plans) {}
-
-  PictureTracer<Real>& of(std::size_t range, Film& film) {
-    if (!current_ || range != range_) {
-      if (current_) counters_ += current_->counters();
-      current_ = std::make_unique<PictureTracer<Real>>(*plans_[range], film);
-      range_ = range;
-    }
-    return *current_;
-  }
-  WorkCounters counters() const {
-    WorkCounters all = counters_;
-    if (current_) all += current_->counters();
-    return all;
-  }
-
- private:
-  const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans_;
-  std::unique_ptr<PictureTracer<Real>> current_;
-  std::size_t range_ = 0;
-  WorkCounters counters_;  ///< counts of earlier tracers
-};
-
-template <class Real>
-void run_plans(const std::vector<std::unique_ptr<const BackwardPlan<Real>>>& plans,
-               const std::vector<PointRange>& ranges, const NextTile& next,
-               const Execution& execution, Film& film, RenderStatistics& statistics,
-               const TileDone& tile_done) {
-  const int workers = execution.thread_count();
-  const std::size_t paths = plans.size() / std::max<std::size_t>(ranges.size(), 1);
-  std::vector<Tracer<Real>> tracers;
-  for (int i = 0; i < workers; ++i) tracers.emplace_back(plans);
-  std::vector<std::vector<double>> memory(static_cast<std::size_t>(workers));  // of tiles' sums
-  const auto start = std::chrono::steady_clock::now();
-  std::mutex mutex;
-  std::size_t done = 0;
-  const auto trace = [&](const TileJob& job, int worker) {
-    double new_rays = 0;
-    if (film.allows_finishing())
-      film.lend(job.tile, std::move(memory[static_cast<std::size_t>(worker)]));
-    for (std::size_t path = 0; path < paths; ++path) {
-      PictureTracer<Real>& tracer =
-          tracers[static_cast<std::size_t>(worker)].of(job.range * paths + path, film);
-      new_rays -= tracer.rays();
-      tracer.render(job.tile);
-      new_rays += tracer.rays();
-    }
-    film.add_samples(job.tile, ranges[job.range].points);
-    if (film.allows_finishing()) memory[static_cast<std::size_t>(worker)] = film.finish(job.tile);
-    const std::lock_guard lock(mutex);
-    ++done;
-    if (tile_done) tile_done(job, new_rays);
-  };
-  std::atomic<bool> failed{false};
-  parallel_for(execution, static_cast<std::size_t>(workers), [&](std::size_t, int worker) {
-    try {
-      while (!failed && !execution.stop.stop_requested()) {
-        const std::optional<TileJob> job = next();
-        if (!job) return;
-        trace(*job, worker);
-      }
-    } catch (...) {
-      failed = true;
-      throw;
-    }
-  });
-  WorkCounters work;
-  for (const auto& tracer : tracers) work += tracer.counters();
-  work.tiles = static_cast<double>(done);
-  const StageSeconds& stages = work.stages;
-  work.stages.generate = std::max(
-      0.0, seconds_since(start) * workers - stages.optics - stages.medium - stages.surfaces);
-  statistics += work;
-}
-
-}  // namespace
-
-template <class Real>
-BackwardKernels<Real> backward_kernels(Isa isa) {
-  PLENOFLAME_DISPATCH(isa, return {kernels::generate, kernels::multiply, kernels::add_neighbours,
-                                   kernels::sum, kernels::set_up_rows, kernels::cull_pixels};)
-}
-template BackwardKernels<float> backward_kernels<float>(Isa);
-template BackwardKernels<double> backward_kernels<double>(Isa);
-
-template <class Real>
-BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
-                                  const RenderSettings& settings, const PointRange& range,
-                                  const SurfaceLightPlan* light, const ScatterPlan* scatter,
-                                  std::shared_ptr<const SobolPools> pools) {
-  if (!pools) pools = make_pools(settings, range);
-  return make_plan<Real>(scene, medium, settings, range, std::move(pools), light, scatter);
 }
 template BackwardPlan<float> make_pass_plan<float>(const CompiledScene&, const Medium&,
                                                    const RenderSettings&, const PointRange&,
-                                                   const SurfaceLightPlan*, const ScatterPlan*,
+                                                   const PathLight&,
                                                    std::shared_ptr<const SobolPools>);
 template BackwardPlan<double> make_pass_plan<double>(const CompiledScene&, const Medium&,
                                                      const RenderSettings&, const PointRange&,
-                                                     const SurfaceLightPlan*, const ScatterPlan*,
+                                                     const PathLight&,
                                                      std::shared_ptr<const SobolPools>);
 
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
@@ -296,46 +270,65 @@ BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings&
     if (settings.skip && has_content(path)) shared.beams = SceneBeams::make(path);
     shared.behind_windows = MediumBehindWindows::make(path);
     shared.table = make_radiance_table(path, settings, shared.behind_windows.get());
-    shared.light = make_surface_light(path, settings, execution);
-    shared.scatter = make_scatter_plan(path, settings, execution, shared.light.get());
+    shared.light = PathLight(path, settings, execution);
   }
+}
+
+void run_jobs(const NextTile& next, const Execution& execution,
+              const std::function<void(const TileJob& job, int worker)>& run) {
+  std::atomic<bool> failed{false};
+  parallel_for(execution, static_cast<std::size_t>(execution.thread_count()),
+               [&](std::size_t, int worker) {
+                 try {
+                   while (!failed && !execution.stop.stop_requested()) {
+                     const std::optional<TileJob> job = next();
+                     if (!job) return;
+                     run(*job, worker);
+                   }
+                 } catch (...) {
+                   failed = true;
+                   throw;
+                 }
+               });
 }
 
 template <class Real>
 void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& settings,
-                              const BackwardShared& shared, int threads, Plans<Real>& plans) {
-  plans.resize(ranges_.size() * media_.size());
+                              const std::vector<PointRange>& ranges, const BackwardShared& shared,
+                              int threads, Plans<Real>& plans) {
   Execution execution;
   execution.threads = threads;
   // Paths of all wavelengths use the same numbers, so that caches hold them once.
-  std::vector<std::shared_ptr<const SobolPools>> pools(ranges_.size());
+  std::vector<std::shared_ptr<const SobolPools>> pools(ranges.size());
   parallel_for(execution, pools.size(), [&](std::size_t r, int) {
-    pools[r] = make_pools(settings, ranges_[r], pools.size() == 1 ? execution : alone());
+    pools[r] = make_pools(settings, ranges[r], pools.size() == 1 ? execution : alone());
   });
-  parallel_for(execution, plans.size(), [&](std::size_t i, int) {
+  plans.resize(ranges.size());
+  for (auto& paths : plans) paths.resize(media_.size());
+  parallel_for(execution, ranges.size() * media_.size(), [&](std::size_t i, int) {
     const std::size_t range = i / media_.size(), p = i % media_.size();
     const PathShared& of_path = shared.paths[p];
     const MediumBehindWindows* const bending = of_path.behind_windows.get();
     auto plan = std::make_unique<BackwardPlan<Real>>(
-        make_plan<Real>(scene.paths()[p], bending ? *bending : media_[p]->get(), settings,
-                        ranges_[range], pools[range], of_path.light.get(), of_path.scatter.get()));
+        make_pass_plan<Real>(scene.paths()[p], bending ? *bending : media_[p]->get(), settings,
+                             ranges[range], of_path.light, pools[range]));
     plan->medium_bends = bending != nullptr;
     if constexpr (std::is_same_v<Real, float>) plan->table = of_path.table.get();
     plan->beams = of_path.beams.get();
-    plans[i] = std::move(plan);
+    plans[range][p] = std::move(plan);
   });
 }
 
 BackwardPass::BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-                           std::vector<PointRange> ranges, const BackwardShared& shared,
+                           const std::vector<PointRange>& ranges, const BackwardShared& shared,
                            int threads)
-    : ranges_(std::move(ranges)), is_single_(in_single_precision(scene, settings)) {
+    : is_single_(in_single_precision(scene, settings)) {
   for (const CompiledScene& path : scene.paths())
     media_.push_back(std::make_unique<SceneMedium>(path));
   if (is_single_)
-    make_plans(scene, settings, shared, threads, single_);
+    make_plans(scene, settings, ranges, shared, threads, single_);
   else
-    make_plans(scene, settings, shared, threads, double_);
+    make_plans(scene, settings, ranges, shared, threads, double_);
 }
 
 BackwardPass::~BackwardPass() = default;
@@ -369,9 +362,9 @@ void BackwardPass::run(const NextTile& next, const Execution& execution, Film& f
                        RenderStatistics& statistics, const TileDone& tile_done) const {
   statistics.precision = is_single_ ? "single" : "double";
   if (is_single_)
-    run_plans(single_, ranges_, next, execution, film, statistics, tile_done);
+    run_plans(single_, next, execution, film, statistics, tile_done);
   else
-    run_plans(double_, ranges_, next, execution, film, statistics, tile_done);
+    run_plans(double_, next, execution, film, statistics, tile_done);
 }
 
 }  // namespace plenoflame

@@ -27,8 +27,7 @@ struct PathShared {
   std::unique_ptr<const MediumBehindWindows> behind_windows;
   /// Replaces the medium where it is smooth (single precision only); may be nullptr.
   std::unique_ptr<RadianceTable> table;
-  std::unique_ptr<const SurfaceLightPlan> light;  ///< nullptr: no surfaces, no surroundings
-  std::unique_ptr<const ScatterPlan> scatter;     ///< nullptr: nothing scatters
+  PathLight light;
 };
 
 /// The shared data of all spectral paths of a scene (CompiledScene::paths()).
@@ -55,6 +54,11 @@ using NextTile = std::function<std::optional<TileJob>()>;
 using TileWork = std::function<void(const NextTile& next, const Execution& execution, Film& film,
                                     RenderStatistics& statistics, const TileDone& tile_done)>;
 
+/// Runs jobs with all threads of an execution until none is left, one throws, or a stop is
+/// requested. @param run gets the number of its worker too
+void run_jobs(const NextTile& next, const Execution& execution,
+              const std::function<void(const TileJob& job, int worker)>& run);
+
 /// A pass of the estimator. The constructor computes the data that all tiles share. Keeps
 /// references to scene and settings.
 class BackwardPass {
@@ -62,7 +66,8 @@ class BackwardPass {
   /// @param ranges of points; each tile gets one of them
   /// @param shared kept by reference @param threads for the work of the constructor
   BackwardPass(const CompiledScene& scene, const RenderSettings& settings,
-               std::vector<PointRange> ranges, const BackwardShared& shared, int threads = 1);
+               const std::vector<PointRange>& ranges, const BackwardShared& shared,
+               int threads = 1);
   ~BackwardPass();
   BackwardPass(const BackwardPass&) = delete;
   BackwardPass& operator=(const BackwardPass&) = delete;
@@ -83,14 +88,14 @@ class BackwardPass {
 
  private:
   template <class Real>
-  using Plans = std::vector<std::unique_ptr<const BackwardPlan<Real>>>;
+  using Plans = std::vector<std::vector<std::unique_ptr<const BackwardPlan<Real>>>>;
   template <class Real>
   void make_plans(const CompiledScene& scene, const RenderSettings& settings,
-                  const BackwardShared& shared, int threads, Plans<Real>& plans);
+                  const std::vector<PointRange>& ranges, const BackwardShared& shared, int threads,
+                  Plans<Real>& plans);
   std::vector<std::unique_ptr<const SceneMedium>> media_;  // one for each path
-  std::vector<PointRange> ranges_;
   bool is_single_;
-  Plans<float> single_;  // per range, then per path; the other precision is empty
+  Plans<float> single_;  // of each range, for each path; the other precision is empty
   Plans<double> double_;
 };
 

@@ -74,6 +74,7 @@ void RankTiles::send_all(const std::string& bytes) {
 
 void RankTiles::begin_pass(const std::vector<PointRange>& ranges) {
   for (Rank& other : others_) other = {};
+  ranges_ = ranges;
   std::string bytes(1, kPassBegins);
   put_all(bytes, ranges);
   send_all(bytes);
@@ -113,8 +114,7 @@ void RankTiles::hand_out(Queue& queue, Film& film) {
 }
 
 /// @return true if the message concerned a tile or a pass
-bool RankTiles::take(const RankMessage& message, const std::vector<PointRange>* ranges, Film* film,
-                     const TileDone* tile_done) {
+bool RankTiles::take(const RankMessage& message, Film* film, const TileDone* tile_done) {
   Rank& other = others_.at(static_cast<std::size_t>(message.from));
   RankReader reader(std::string_view(message.bytes).substr(1));
   switch (message.bytes.front()) {
@@ -128,7 +128,7 @@ bool RankTiles::take(const RankMessage& message, const std::vector<PointRange>* 
       if (!film) return true;  // the run ended before this tile
       std::vector<double> sums = reader.get_all<double>();
       if (!sums.empty()) film->tile_sums(job.tile) = std::move(sums);
-      film->add_samples(job.tile, (*ranges)[job.range].points);
+      film->add_samples(job.tile, ranges_[job.range].points);
       if (film->allows_finishing()) film->finish(job.tile);
       if (*tile_done) (*tile_done)(job, rays);
       return true;
@@ -143,13 +143,13 @@ bool RankTiles::take(const RankMessage& message, const std::vector<PointRange>* 
   }
 }
 
-void RankTiles::serve(Queue& queue, const std::vector<PointRange>& ranges,
-                      const Execution& execution, Film& film, const TileDone& tile_done) {
+void RankTiles::serve(Queue& queue, const Execution& execution, Film& film,
+                      const TileDone& tile_done) {
   for (std::chrono::microseconds pause = kShortestPause;;) {
     if (execution.stop.stop_requested()) queue.close();
     bool busy = false;
     while (const std::optional<RankMessage> message = ranks_.receive())
-      busy = take(*message, &ranges, &film, &tile_done) || busy;
+      busy = take(*message, &film, &tile_done) || busy;
     if (stop_.stop_requested()) return;
     hand_out(queue, film);
     if (queue.left() == 0 && tiles_out() == 0) return;
@@ -158,9 +158,9 @@ void RankTiles::serve(Queue& queue, const std::vector<PointRange>& ranges,
   }
 }
 
-bool RankTiles::run(const TileWork& work, const std::vector<PointRange>& ranges,
-                    const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
-                    RenderStatistics& statistics, const TileDone& tile_done) {
+bool RankTiles::run(const TileWork& work, const std::vector<TileJob>& jobs,
+                    const Execution& execution, Film& film, RenderStatistics& statistics,
+                    const TileDone& tile_done) {
   own_threads_ = execution.thread_count();
   Queue queue(jobs);
   std::mutex mutex;
@@ -171,7 +171,7 @@ bool RankTiles::run(const TileWork& work, const std::vector<PointRange>& ranges,
   std::exception_ptr failure;
   std::jthread service([&] {
     try {
-      serve(queue, ranges, execution, film, done_alone);
+      serve(queue, execution, film, done_alone);
     } catch (...) {
       failure = std::current_exception();
       queue.close();
@@ -197,7 +197,7 @@ void RankTiles::end_pass(RenderStatistics& statistics) {
   };
   while (!answered() && !stop_.stop_requested()) {
     if (const std::optional<RankMessage> message = ranks_.receive())
-      take(*message, nullptr, nullptr, nullptr);
+      take(*message, nullptr, nullptr);
     else
       std::this_thread::sleep_for(kLongestPause);
   }

@@ -25,12 +25,11 @@ class RankTiles {
   RankTiles(const RankTiles&) = delete;
   RankTiles& operator=(const RankTiles&) = delete;
 
-  /// Starts the same pass on the other ranks.
+  /// Starts the same pass on the other ranks. @param ranges of the pass's points, also in run()
   void begin_pass(const std::vector<PointRange>& ranges);
   /// Does the work with the other ranks' help. @throws Error when one of them fails
-  bool run(const TileWork& work, const std::vector<PointRange>& ranges,
-           const std::vector<TileJob>& jobs, const Execution& execution, Film& film,
-           RenderStatistics& statistics, const TileDone& tile_done);
+  bool run(const TileWork& work, const std::vector<TileJob>& jobs, const Execution& execution,
+           Film& film, RenderStatistics& statistics, const TileDone& tile_done);
   /// Adds the counts of the other ranks, and their number.
   void end_pass(RenderStatistics& statistics);
 
@@ -41,19 +40,18 @@ class RankTiles {
     std::optional<WorkCounters> work;  ///< of the pass that ended
   };
   class Queue;
-  void serve(Queue& queue, const std::vector<PointRange>& ranges, const Execution& execution,
-             Film& film, const TileDone& tile_done);
+  void serve(Queue& queue, const Execution& execution, Film& film, const TileDone& tile_done);
   void hand_out(Queue& queue, Film& film);
-  bool take(const RankMessage& message, const std::vector<PointRange>* ranges, Film* film,
-            const TileDone* tile_done);
+  bool take(const RankMessage& message, Film* film, const TileDone* tile_done);
   void send_all(const std::string& bytes);
   std::size_t tiles_out() const;
   int other_threads() const;
 
   Communicator& ranks_;
   std::stop_token stop_;
-  std::vector<Rank> others_;  ///< by rank; the entry of rank 0 is unused
-  std::vector<TileJob> out_;  ///< tiles in work on other ranks
+  std::vector<Rank> others_;        ///< by rank; the entry of rank 0 is unused
+  std::vector<TileJob> out_;        ///< tiles in work on other ranks
+  std::vector<PointRange> ranges_;  ///< of the pass
   int own_threads_ = 1;
 };
 

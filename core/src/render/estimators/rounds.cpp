@@ -81,12 +81,15 @@ std::vector<int> spread(const std::vector<int>& tiles) {
   return order;
 }
 
-/// The common arguments of the passes of a run.
-struct RunParts {
+/// A rendering in work.
+struct Run {
+  const CompiledScene& scene;
   const RenderSettings& settings;
   const Execution& execution;
+  const Execution& limited;  ///< the same, which also stops at the time limit
   Film& film;
   RenderStatistics& statistics;
+  const BackwardShared& shared;
   Checkpoints& checkpoints;
   TileProgress& progress;
   RankTiles* ranks;  ///< nullptr: there are no other ranks
@@ -95,8 +98,8 @@ struct RunParts {
 /// Runs the jobs of a pass in batches. The state is saved between batches.
 /// @param ranges of the pass
 bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ranges,
-                    const std::vector<TileJob>& jobs, const RunParts& run) {
-  Batches batches(run.settings, jobs.size(), run.execution.thread_count());
+                    const std::vector<TileJob>& jobs, const Run& run) {
+  Batches batches(run.settings, jobs.size(), run.limited.thread_count());
   const auto tell = [&](const TileJob& job, double rays) {
     run.progress.add(job.tile, ranges[job.range].points, rays);
   };
@@ -105,9 +108,9 @@ bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ran
     const std::size_t count = std::min(batches.size(), jobs.size() - first);
     const std::vector<TileJob> part(begin, begin + static_cast<std::ptrdiff_t>(count));
     const auto start = std::chrono::steady_clock::now();
-    const bool finished = run.ranks ? run.ranks->run(pass.work(), ranges, part, run.execution,
-                                                     run.film, run.statistics, tell)
-                                    : pass.run(part, run.execution, run.film, run.statistics, tell);
+    const bool finished =
+        run.ranks ? run.ranks->run(pass.work(), part, run.limited, run.film, run.statistics, tell)
+                  : pass.run(part, run.limited, run.film, run.statistics, tell);
     if (!finished) return false;
     batches.learn(count, seconds_since(start));
     first += count;
@@ -117,35 +120,35 @@ bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ran
   return true;
 }
 
+/// Runs a pass over the jobs. @return false when it was stopped
+bool run_pass(const std::vector<PointRange>& ranges, const std::vector<TileJob>& jobs,
+              const Run& run) {
+  if (run.ranks) run.ranks->begin_pass(ranges);
+  const BackwardPass pass(run.scene, run.settings, ranges, run.shared, run.execution.threads);
+  return run_in_batches(pass, ranges, jobs, run);
+}
+
 /// Brings every tile to a number of samples in one uninterrupted run.
-void render_fixed(const CompiledScene& scene, const RenderSettings& settings, int points,
-                  const Execution& execution, Film& film, RenderStatistics& statistics,
-                  const BackwardShared& shared, RunProgress& progress, RankTiles* ranks) {
+void render_fixed(const Run& run, int points) {
+  const Film& film = run.film;
   std::map<int, std::vector<int>> groups;  // by their number of samples
-  const Part& part = settings.part;
+  const Part& part = run.settings.part;
   std::vector<double> goals(static_cast<std::size_t>(film.tile_count()), points);
   for (int t = 0; t < film.tile_count(); ++t)
     if (part_of_tile(t, film.tiles_across(), part.count) != part.number - 1)
       goals[static_cast<std::size_t>(t)] = film.tile_samples(t);
     else if (film.tile_samples(t) < points)
       groups[static_cast<int>(film.tile_samples(t))].push_back(t);
-  Checkpoints checkpoints(settings);
-  TileProgress tile_progress(progress, film);
-  tile_progress.foresee(film, goals);
-  if (!settings.keep_sums) film.allow_finishing();
-  statistics.complete = true;
+  run.progress.foresee(film, goals);
+  if (!run.settings.keep_sums) run.film.allow_finishing();
+  run.statistics.complete = true;
   for (const auto& [done, tiles] : groups) {
     std::vector<TileJob> jobs;
     for (const int tile : spread(tiles)) jobs.push_back({tile});
     // A tile that continues a sequence takes its next points.
-    const std::vector<PointRange> ranges{
-        {static_cast<std::uint32_t>(done), points - done, done > 0}};
-    if (ranks) ranks->begin_pass(ranges);
-    const BackwardPass pass(scene, settings, ranges, shared, execution.threads);
-    statistics.complete =
-        run_in_batches(pass, ranges, jobs,
-                       {settings, execution, film, statistics, checkpoints, tile_progress, ranks});
-    if (!statistics.complete) return;
+    run.statistics.complete =
+        run_pass({{static_cast<std::uint32_t>(done), points - done, done > 0}}, jobs, run);
+    if (!run.statistics.complete) return;
   }
 }
 
@@ -281,8 +284,7 @@ RoundPlan plan_round(const Film& film, const RenderSettings& settings, const Til
 
 /// Brings every tile to its goal; each tile continues its own sequence.
 /// @return false when it was stopped
-bool run_round(const CompiledScene& scene, const BackwardShared& shared, int most_points,
-               const RunParts& run) {
+bool run_round(const Run& run, int most_points) {
   std::map<std::pair<int, int>, std::vector<int>> groups;
   for (int t = 0; t < run.film.tile_count(); ++t) {
     const int done = static_cast<int>(run.film.tile_samples(t));
@@ -300,9 +302,7 @@ bool run_round(const CompiledScene& scene, const BackwardShared& shared, int mos
     sum += points;
     const auto next = std::next(group);
     if (next != groups.rend() && sum + next->first.first <= most_points) continue;
-    if (run.ranks) run.ranks->begin_pass(ranges);
-    const BackwardPass pass(scene, run.settings, ranges, shared, run.execution.threads);
-    if (!run_in_batches(pass, ranges, jobs, run)) return false;
+    if (!run_pass(ranges, jobs, run)) return false;
     ranges = {};
     jobs = {};
     sum = 0;
@@ -310,25 +310,20 @@ bool run_round(const CompiledScene& scene, const BackwardShared& shared, int mos
   return true;
 }
 
-void render_progressive(const CompiledScene& scene, const RenderSettings& settings, int limit,
-                        int most_points, const Deadline& deadline, const Execution& execution,
-                        Film& film, RenderStatistics& statistics, const BackwardShared& shared,
-                        RunProgress& progress, RankTiles* ranks) {
-  Execution inner = execution;
-  inner.stop = deadline.token();
-  Checkpoints checkpoints(settings);
-  TileProgress tile_progress(progress, film);
-  const RunParts run{settings, inner, film, statistics, checkpoints, tile_progress, ranks};
+/// @param limit of the points of each replicate
+void render_progressive(const Run& run, int limit, int most_points) {
+  Film& film = run.film;
+  const RenderSettings& settings = run.settings;
   // For a round that an earlier run began, only its goals are known.
-  if (in_a_round(film)) tile_progress.foresee(film, film.tile_goals());
-  for (bool finished = true; finished; finished = run_round(scene, shared, most_points, run)) {
+  if (in_a_round(film)) run.progress.foresee(film, film.tile_goals());
+  for (bool finished = true; finished; finished = run_round(run, most_points)) {
     if (in_a_round(film)) continue;
-    const TileErrors errors = measure_errors(film, execution);
+    const TileErrors errors = measure_errors(film, run.execution);
     if (is_started(film)) {
-      statistics.relative_error = errors.stated.relative_rmse;
+      run.statistics.relative_error = errors.stated.relative_rmse;
       std::vector<double> squares = errors.mean_square;
       for (std::size_t t = 0; t < squares.size(); ++t) squares[t] *= errors.lit[t];
-      tile_progress.measured(film, statistics.relative_error, std::move(squares));
+      run.progress.measured(film, run.statistics.relative_error, std::move(squares));
       if (is_met(film, errors, settings)) break;
       if (settings.target_error > 0 && seems_dark(film, errors)) break;
     }
@@ -336,16 +331,16 @@ void render_progressive(const CompiledScene& scene, const RenderSettings& settin
     film.tile_goals().assign(plan.samples.begin(), plan.samples.end());
     if (!in_a_round(film)) break;
     if (plan.at_end.empty())
-      tile_progress.explore(film, film.tile_goals());
+      run.progress.explore(film, film.tile_goals());
     else
-      tile_progress.foresee(film, plan.at_end);
+      run.progress.foresee(film, plan.at_end);
   }
   // The end of a time limit is no interruption. The picture is complete unless some part of it has
   // no ray yet.
-  statistics.complete = !execution.stop.stop_requested() && is_started(film);
-  statistics.target_reached =
+  run.statistics.complete = !run.execution.stop.stop_requested() && is_started(film);
+  run.statistics.target_reached =
       settings.target_error <= 0 ||
-      (is_started(film) && is_met(film, measure_errors(film, execution), settings));
+      (is_started(film) && is_met(film, measure_errors(film, run.execution), settings));
 }
 
 }  // namespace
@@ -362,12 +357,16 @@ void render_rounds(const CompiledScene& scene, const RenderSettings& settings,
     ranks = std::make_unique<RankTiles>(*settings.ranks, settings, execution.stop);
   const BackwardShared shared(scene, settings, execution);
   count_lenses(scene, shared, film.window(), statistics);
+  Execution limited = execution;
+  limited.stop = deadline.token();
+  Checkpoints checkpoints(settings);
+  TileProgress of_tiles(progress, film);
+  const Run run{scene,      settings, execution,   limited,  film,
+                statistics, shared,   checkpoints, of_tiles, ranks.get()};
   if (has_fixed_samples(settings))
-    render_fixed(scene, settings, points, execution, film, statistics, shared, progress,
-                 ranks.get());
+    render_fixed(run, points);
   else
-    render_progressive(scene, settings, points, most_points, deadline, execution, film, statistics,
-                       shared, progress, ranks.get());
+    render_progressive(run, points, most_points);
   if (statistics.complete) progress.complete();
 }
 

@@ -16,7 +16,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/channel_kinds.h"
 #include "render/paths/ray_path_tracer.h"
-#include "render/tracer/backward_tile.h"
+#include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
 #include "render/transport/channel_sum.h"
 #include "render/transport/medium_segments.h"
@@ -272,10 +272,9 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
                      " rays per pixel and microlens are needed");
   const SceneMedium medium(scene);
   const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
-  const auto light = make_surface_light(scene, settings, execution);
-  const auto scatter = make_scatter_plan(scene, settings, execution, light.get());
-  const BackwardPlan<double> plan = make_pass_plan<double>(scene, medium.get(), settings,
-                                                           {0, points}, light.get(), scatter.get());
+  const PathLight light(scene, settings, execution);
+  const BackwardPlan<double> plan =
+      make_pass_plan<double>(scene, medium.get(), settings, {0, points}, light);
   // Rays that pass beside the flames are traced, too, so no beams are used.
   const PathTracer tracer(scene, medium.get());
   const double samples = static_cast<double>(points) * settings.replicates;
@@ -288,9 +287,9 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
     own.channels = paths.channels;
     own.flame_samples = paths.flame_samples;
     PathSink sink(plan, tracer, samples, own);
-    TileTracer<double> tile(plan, sink);
+    PixelSampler<double> sampler(plan, sink);
     for (std::size_t i = part * kPixels; i < std::min(pixels.size(), (part + 1) * kPixels); ++i) {
-      tile.trace(0, {pixels[i].column, pixels[i].row, 1, 1});
+      sampler.trace(0, {pixels[i].column, pixels[i].row, 1, 1});
     }
     if (only) keep_lens(*only, own);
   };

@@ -13,7 +13,7 @@
 #include "plenoflame/base/error.h"
 #include "render/run/check_settings.h"
 #include "render/run/run_control.h"
-#include "render/tracer/backward_tile.h"
+#include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
 #include "render/tracer/window_integrator.h"
 #include "render/transport/channel_sum.h"
@@ -46,11 +46,10 @@ struct StreamPath {
       beams = SceneBeams::make(scene);
     }
     if (content == RayStreamContent::radiance) {
-      light = make_surface_light(scene, settings, execution);
-      scatter = make_scatter_plan(scene, settings, execution, light.get());
+      light = PathLight(scene, settings, execution);
     }
-    plan = make_pass_plan<Real>(scene, medium.get(), settings, {0, points}, light.get(),
-                                scatter.get(), std::move(pools));
+    plan =
+        make_pass_plan<Real>(scene, medium.get(), settings, {0, points}, light, std::move(pools));
     plan.beams = beams.get();
   }
   StreamPath(const StreamPath&) = delete;
@@ -60,8 +59,7 @@ struct StreamPath {
   SceneMedium medium;
   CameraFront front;
   std::unique_ptr<const SceneBeams> beams;
-  std::unique_ptr<const SurfaceLightPlan> light;
-  std::unique_ptr<const ScatterPlan> scatter;
+  PathLight light;
   BackwardPlan<Real> plan;
 };
 
@@ -76,7 +74,7 @@ class BlockWriter : public RayConsumer<Real> {
         samples_(samples),
         worker_(worker),
         consumer_(consumer),
-        tracer_(path.plan, *this),
+        sampler_(path.plan, *this),
         columns_(4) {
     if (content == RayStreamContent::radiance) integrator_.emplace(path.plan);
     block_.path = number;
@@ -93,7 +91,7 @@ class BlockWriter : public RayConsumer<Real> {
     tile_ = tile;
     row_ = tile.y;
     reached_ = &reached;
-    tracer_.trace(index, tile);
+    sampler_.trace(index, tile);
   }
 
   void begin_tile(int index, const PixelWindow&) override { block_.tile = index; }
@@ -334,7 +332,7 @@ class BlockWriter : public RayConsumer<Real> {
   double samples_;
   int worker_;
   const RayBlockConsumer<Real>& consumer_;
-  TileTracer<Real> tracer_;
+  PixelSampler<Real> sampler_;
   std::optional<RadianceIntegrator<Real>> integrator_;
   int* sequence_ = nullptr;
   PixelWindow tile_;

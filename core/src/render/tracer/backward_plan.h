@@ -28,7 +28,6 @@ struct BackwardKernels {
   void (*add_neighbours)(const Real*, int, int, Real*);
   double (*sum)(const Real*, const Real*, int);
   void (*set_up_rows)(const KernelRows&, const KernelRowPixels&);
-  void (*cull_pixels)(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
 };
 
 template <class Real>
@@ -70,7 +69,7 @@ struct BackwardPlan {
   std::vector<WorthLevels> worths;                ///< for each type of microlens
   std::unique_ptr<BackwardSurfacePlan> surfaces;  ///< nullptr: no surfaces, no surroundings
   const ScatterPlan* scatter = nullptr;           ///< nullptr: nothing scatters
-  std::uint32_t first = 0;                        ///< number of the first point
+  PointRange points;
   /// [m] Largest reach of a micro-image from its microlens, with the displacement of its centre.
   double reach = 0;
   std::optional<SensorBlur> blur;     ///< none: pixels record only light that arrives on them
@@ -80,13 +79,11 @@ struct BackwardPlan {
 /// Makes the plan of a BackwardPass for one precision. Plan and tracers keep pointers to all
 /// arguments.
 /// @param medium of the scene, or its replacement
-/// @param light of surfaces; nullptr without surfaces
-/// @param scatter nullptr: nothing scatters
 /// @param pools of another plan of the same settings and range; nullptr: new ones are made
 template <class Real>
 BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medium,
                                   const RenderSettings& settings, const PointRange& range,
-                                  const SurfaceLightPlan* light, const ScatterPlan* scatter,
+                                  const PathLight& light,
                                   std::shared_ptr<const SobolPools> pools = nullptr);
 
 }  // namespace plenoflame

@@ -1,25 +1,25 @@
 #pragma once
 #include "plenoflame/film/film.h"
-#include "render/tracer/backward_tile.h"
 #include "render/tracer/film_sums.h"
+#include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
 
 namespace plenoflame {
 
-/// Makes a picture from the rays of a plan: tracer, integrator and film in sequence. One object per
-/// worker thread.
+/// Makes a picture from the rays of a plan: sampler, integrator and film in sequence. One object
+/// per worker thread.
 template <class Real>
 class PictureTracer : public RayConsumer<Real> {
  public:
   PictureTracer(const BackwardPlan<Real>& plan, Film& film)
-      : film_(film), tracer_(plan, *this), integrator_(plan), sums_(plan, film) {}
+      : film_(film), sampler_(plan, *this), integrator_(plan), sums_(plan, film) {}
   PictureTracer(const PictureTracer&) = delete;
   PictureTracer& operator=(const PictureTracer&) = delete;
 
-  void render(int tile) { tracer_.trace(tile, film_.tile(tile)); }
-  double rays() const { return tracer_.counters().rays; }
+  void render(int tile) { sampler_.trace(tile, film_.tile(tile)); }
+  double rays() const { return sampler_.counters().rays; }
   WorkCounters counters() const {
-    WorkCounters all = tracer_.counters();
+    WorkCounters all = sampler_.counters();
     all += integrator_.counters();
     all.table += sums_.table_counters();
     return all;
@@ -33,7 +33,7 @@ class PictureTracer : public RayConsumer<Real> {
 
  private:
   Film& film_;
-  TileTracer<Real> tracer_;
+  PixelSampler<Real> sampler_;
   RadianceIntegrator<Real> integrator_;
   FilmSums<Real> sums_;
 };

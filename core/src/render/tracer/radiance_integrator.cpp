@@ -127,7 +127,8 @@ void RadianceIntegrator<Real>::add_scattered(const TracedRays<Real>& rays) {
       if (rays.block.code[i] != 0 || !(rays.block.weight[i] > 0)) continue;
       const int number = group.offset + i - group.first;
       const auto replicate = static_cast<std::uint64_t>(number / points);
-      const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
+      const auto point =
+          (plan_.points.first >> group.level) + static_cast<std::uint32_t>(number % points);
       const Vec3 along{static_cast<double>(rays.block.dx[i]), static_cast<double>(rays.block.dy[i]),
                        static_cast<double>(rays.block.dz[i])};
       // The share is almost 1 in a thin medium, and small if most rays are scattered anyway.

@@ -50,7 +50,7 @@ struct TracedRays {
   int log2_points;  ///< largest value of the pixels; at least 0
 };
 
-/// Receives the rays of a TileTracer, a block at a time.
+/// Receives the rays of a CameraTracer, a block at a time.
 template <class Real>
 class RayConsumer {
  public:

@@ -97,7 +97,8 @@ void WindowIntegrator<Real>::add_scattered(const TracedRays<Real>& rays, MediumC
       const WindowWays::Way& way = ways_.ways[static_cast<std::size_t>(i)];
       const int number = group.offset + i - group.first;
       const auto replicate = static_cast<std::uint64_t>(number / points);
-      const auto point = (plan_.first >> group.level) + static_cast<std::uint32_t>(number % points);
+      const auto point =
+          (plan_.points.first >> group.level) + static_cast<std::uint32_t>(number % points);
       const std::uint64_t key =
           mix64(mix64(group.key + kScatterSeed + static_cast<std::uint64_t>(group.level)) ^
                 (replicate << 32 | point));

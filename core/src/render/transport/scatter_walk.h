@@ -42,6 +42,17 @@ std::unique_ptr<const ScatterPlan> make_scatter_plan(const CompiledScene& scene,
                                                      const Execution& execution,
                                                      const SurfaceLightPlan* light);
 
+/// The plans of the light that rays of one spectral path collect besides the flames' own.
+struct PathLight {
+  PathLight() = default;  ///< none
+  PathLight(const CompiledScene& path, const RenderSettings& settings, const Execution& execution)
+      : surfaces(make_surface_light(path, settings, execution)),
+        scatter(make_scatter_plan(path, settings, execution, surfaces.get())) {}
+
+  std::unique_ptr<const SurfaceLightPlan> surfaces;  ///< nullptr: no surfaces, no surroundings
+  std::unique_ptr<const ScatterPlan> scatter;        ///< nullptr: nothing scatters
+};
+
 /// Light that media scatter into rays and that surfaces reflect through them. Random walks run
 /// backwards along the light. Delta tracking draws places of scattering (Woodcock et al., ANL-7050,
 /// 1965). The phase function or the cosine gives directions.

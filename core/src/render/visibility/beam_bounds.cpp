@@ -121,22 +121,22 @@ bool BeamBounds::is_dark(const FieldTable& field, Vec2 middle, double room) cons
   return !region_->meets(centre, radius);
 }
 
-Visibility BeamBounds::look(int table, Vec3 place) const {
-  if (everywhere_) return Visibility::full;
-  if (!misaligned_) return look(table, {place.x, place.y}, 0);
-  if (!std::isfinite(pupil_)) return Visibility::full;
+bool BeamBounds::may_meet(int table, Vec3 place) const {
+  if (everywhere_) return true;
+  if (!misaligned_) return may_meet(table, {place.x, place.y}, 0);
+  if (!std::isfinite(pupil_)) return true;
   const Vec3 p = to_lens_.point(place);
   const Vec2 off{p.x, p.y};
   const double to_pupil = pupil_ - p.z, scale = (pupil_ - plane_) / to_pupil;
-  if (!(to_pupil > 0 && scale > 0)) return Visibility::full;
+  if (!(to_pupil > 0 && scale > 0)) return true;
   const double steepest = (pupil_radius_ + length(off)) / to_pupil;
   const double room = (std::fabs(p.z - plane_) * pupil_radius_ / to_pupil +
                        aperture_ * tilt_ * steepest + aperture_ * std::fabs(scale - 1)) *
                       kMisalignedMargin;
-  return look(table, scale * off, room);
+  return may_meet(table, scale * off, room);
 }
 
-Visibility BeamBounds::look(int table, Vec2 place, double room) const {
+bool BeamBounds::may_meet(int table, Vec2 place, double room) const {
   const FieldTable& field = fields_[static_cast<std::size_t>(table)];
   if (around_.columns > 0) {
     const double x = (place.x - around_.lower.x) * around_.scale.x;
@@ -144,7 +144,7 @@ Visibility BeamBounds::look(int table, Vec2 place, double room) const {
     if (x >= 0 && y >= 0 && x < around_.columns && y < around_.rows &&
         around_.dark[static_cast<std::size_t>(
             (table * around_.rows + static_cast<int>(y)) * around_.columns + static_cast<int>(x))])
-      return Visibility::none;
+      return false;
   }
   const double h = std::sqrt(dot(place, place));
   const auto last = field.nodes.size() - 1;
@@ -165,8 +165,7 @@ Visibility BeamBounds::look(int table, Vec2 place, double room) const {
                                                                        std::max(along, across) *
                                                                        (half_diagonal_ + room));
   }
-  if (!region_->meets(centre, radius)) return Visibility::none;
-  return region_->is_filled(centre, radius) ? Visibility::full : Visibility::partial;
+  return region_->meets(centre, radius);
 }
 
 }  // namespace plenoflame

@@ -7,13 +7,6 @@
 
 namespace plenoflame {
 
-/// The part of a beam that may meet something.
-enum class Visibility {
-  none,  ///< surely nothing
-  partial,
-  full,  ///< the whole beam may meet something, so its parts need no test
-};
-
 /// Tells whether the light that a microlens (or, without array, a pixel) can receive meets
 /// anything. The test is conservative: discs bound the beam, around rays traced at its edge and
 /// inside, with a margin.
@@ -30,11 +23,10 @@ class BeamBounds {
              const OccupiedRegion& region);
 
   /// @param place microlens centre or sensor point in the camera's frame [m]
-  Visibility look(int table, Vec3 place) const;
-  bool may_meet(int table, Vec3 place) const { return look(table, place) != Visibility::none; }
+  bool may_meet(int table, Vec3 place) const;
 
  private:
-  Visibility look(int table, Vec2 place, double room) const;
+  bool may_meet(int table, Vec2 place, double room) const;
   /// Footprints on the region's two planes, centres along the field direction.
   struct Footprint {
     double centre[2] = {0, 0};

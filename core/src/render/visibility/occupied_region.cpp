@@ -8,9 +8,9 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kRounding = kBeamRounding;
-constexpr int kMostParts = 8;     ///< largest number of parts of an oblique beam
-constexpr double kSingle = 1e-6;  ///< relative margin for rounding
+constexpr double kRounding = 1e-9;  ///< share of a beam's radius
+constexpr int kMostParts = 8;       ///< largest number of parts of an oblique beam
+constexpr double kSingle = 1e-6;    ///< relative margin for rounding
 
 void include(Vec3 p, Box& box) {
   box.lower = {std::min(box.lower.x, p.x), std::min(box.lower.y, p.y), std::min(box.lower.z, p.z)};
@@ -140,20 +140,8 @@ OccupiedRegion::OccupiedRegion(const Camera& camera, const std::vector<Box>& wor
   const Vec2 size{1 / scale_.x, 1 / scale_.y};
   // From any point of one cell to any point of another: half a diagonal less at each end.
   const double diagonal = std::hypot(size.x, size.y);
-  const auto at_least = [&](const std::vector<bool>& marked) {
-    std::vector<double> least;
-    for (const double d : distances(marked, kSide, size))
-      least.push_back(std::max(0.0, (1 - kSingle) * d - diagonal));
-    return least;
-  };
-  to_lit_ = at_least(lit);
-  lit.flip();
-  to_dark_ = at_least(lit);
-}
-
-bool OccupiedRegion::holds(Vec2 p) const {
-  return p.x > lower_.x && p.x < upper_.x && p.y > lower_.y && p.y < upper_.y &&
-         !(to_lit_[place_of(p)] > 0);
+  for (const double d : distances(lit, kSide, size))
+    to_lit_.push_back(std::max(0.0, (1 - kSingle) * d - diagonal));
 }
 
 std::size_t OccupiedRegion::place_of(Vec2 p) const {
@@ -185,31 +173,6 @@ bool OccupiedRegion::meets(const Vec2 centre[2], double radius) const {
     if (!is_beyond(centre[0] + ((part + 0.5) / parts) * axis, radius + 0.5 * along / parts))
       return true;
   return false;
-}
-
-void OccupiedRegion::describe(KernelBeam& beam) const {
-  beam.lower_x = lower_.x;
-  beam.lower_y = lower_.y;
-  beam.upper_x = upper_.x;
-  beam.upper_y = upper_.y;
-  beam.scale_x = scale_.x;
-  beam.scale_y = scale_.y;
-  beam.to_lit = to_lit_.data();
-  // The lower bound to_lit subtracts one diagonal from the distance of the cells' middles, and an
-  // upper bound adds one. The difference of the bounds is two diagonals.
-  beam.lit_room = (2 + 4 * kSingle) * std::hypot(1 / scale_.x, 1 / scale_.y) +
-                  4 * kSingle * length(upper_ - lower_);
-}
-
-bool OccupiedRegion::is_filled(const Vec2 centre[2], double radius) const {
-  if (!bounded_) return true;
-  for (int k = 0; k < 2; ++k) {
-    const Vec2 p = centre[k];
-    if (p.x - radius < lower_.x || p.x + radius > upper_.x || p.y - radius < lower_.y ||
-        p.y + radius > upper_.y || to_dark_[place_of(p)] < radius)
-      return false;
-  }
-  return true;
 }
 
 }  // namespace plenoflame

@@ -1,12 +1,10 @@
 #pragma once
-#include <array>
 #include <optional>
 #include <vector>
 
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/math/vector.h"
 #include "plenoflame/scene/compile.h"
-#include "render/visibility/pixel_row_kernel.h"
 
 namespace plenoflame {
 
@@ -29,29 +27,18 @@ class OccupiedRegion {
   /// and between the planes inside their hull.
   /// @param centre camera x, y [m] @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
-  /// Copies the raster's position and sets a pointer to it.
-  void describe(KernelBeam& beam) const;
-
-  /// Tells whether a line parallel to the axis meets something, or nearly so. A beam through this
-  /// point needs no further test.
-  /// @param p camera x, y [m]
-  bool holds(Vec2 p) const;
-
-  /// Tells whether every ray of the beam crosses both planes in lit cells, so that its parts need
-  /// no test. May be false although this is the case.
-  bool is_filled(const Vec2 centre[2], double radius) const;
 
  private:
-  static constexpr int kSide = kRasterSide;
+  static constexpr int kSide = 128;
   bool is_beyond(Vec2 centre, double radius) const;
   std::size_t place_of(Vec2 p) const;
   bool bounded_ = false;
   double planes_[2] = {0, 0};
   Vec2 lower_, upper_;  ///< corners of the raster, camera x, y [m]
   Vec2 scale_;          ///< cells per metre
-  /// Lower bounds of the distance from any point of a cell to the nearest lit or dark cell [m].
-  /// Each has kSide^2 entries.
-  std::vector<double> to_lit_, to_dark_;
+  /// Lower bounds of the distance from any point of a cell to the nearest lit cell [m]; kSide^2
+  /// entries.
+  std::vector<double> to_lit_;
 };
 
 }  // namespace plenoflame

@@ -1,4 +1,4 @@
-// Tests of rows of pixels behind a microlens before rays are drawn, for every instruction set.
+// Data of rows of pixels behind a microlens, before rays are drawn, for every instruction set.
 #pragma once
 #include <cstdint>
 
@@ -34,31 +34,6 @@ struct KernelRows {
   std::uint32_t row, column;  ///< of the first pixel
 };
 
-inline constexpr int kBeamBins = 64;  ///< bins of distance from the micro-image's centre
-inline constexpr int kRasterSide = 128;
-/// Margin for rounding, as a share of the raster's extent: rays are turned to world axes.
-inline constexpr double kBeamRounding = 1e-9;
-
-/// The view of pixels behind a microlens onto the lit region (PixelBeam, OccupiedRegion). It has
-/// the middle between the region's two planes, and the vector from one plane to the other. Both are
-/// affine in the pixel's position, a[0] + a[1] x + a[2] y [m].
-struct KernelBeam {
-  double middle_x[3], middle_y[3], axis_x[3], axis_y[3];
-  double bins_per_metre;
-  /// Largest and smallest radius of the beams' discs in each bin [m].
-  const double *radius, *inner;
-  double lower_x, lower_y, upper_x, upper_y, scale_x, scale_y;  ///< of the raster
-  const double* to_lit;  ///< lower bound of each cell's distance to the nearest lit cell [m]
-  double lit_room;       ///< upper bound minus lower bound of this distance [m]
-};
-
-/// Tells whether the footprint of a pixel meets anything.
-enum PixelVisibility {
-  kSeesNone,
-  kSeesSomething,
-  kNeedsExactTest  ///< longer than wide: its disc is tested in parts
-};
-
 /// Arrays of results, with room for kRowsPixels + kRowLanes: one row after the other.
 struct KernelRowPixels {
   double *x, *y;            ///< of the pixel's centre
@@ -67,13 +42,10 @@ struct KernelRowPixels {
   double* far2;             ///< squared largest distance to the micro-image's centre
   int* level;               ///< by worth
   int* sector;              ///< of the cuts (PixelCuts)
-  int* visibility;          ///< of lit pixels, by the beam (PixelVisibility)
   std::uint64_t* random[kRowWords];
 };
 
-#define PLENOFLAME_PIXEL_ROW_KERNELS                           \
-  void set_up_rows(const KernelRows&, const KernelRowPixels&); \
-  void cull_pixels(const KernelRows&, const KernelBeam&, const KernelRowPixels&);
+#define PLENOFLAME_PIXEL_ROW_KERNELS void set_up_rows(const KernelRows&, const KernelRowPixels&);
 
 namespace baseline {
 PLENOFLAME_PIXEL_ROW_KERNELS

@@ -1,4 +1,4 @@
-// Vector kernels that test rows of pixels; compiled once per instruction set.
+// Vector kernels for rows of pixels; compiled once per instruction set.
 #include "render/visibility/pixel_row_kernel.h"
 
 #include "math/kernel_math.h"
@@ -17,16 +17,6 @@ PLENOFLAME_INLINE std::uint64_t mixed(std::uint64_t key) {
 // Doubles in place of ints: loops with ints are compiled to narrower vectors.
 constexpr double kLanes[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
 constexpr std::uint64_t kLaneNumbers[kRowLanes] = {0, 1, 2, 3, 4, 5, 6, 7};
-
-/// The integer part of x, from 0 to 2^32; one less for odd integers (halves are rounded to even).
-/// The result has the width of a double, because loops with ints are compiled to narrower vectors.
-PLENOFLAME_INLINE std::int64_t whole_part(double x) {
-  return __builtin_bit_cast(std::int64_t, greatest(x - 0.5, 0.0) + 0x1p52) & 0xffffffff;
-}
-
-PLENOFLAME_INLINE std::int64_t place_at(double at) {
-  return whole_part(least(at, kRasterSide - 0.5));
-}
 
 }  // namespace
 
@@ -126,51 +116,6 @@ void set_up_rows(const KernelRows& rows, const KernelRowPixels& pixels) {
     d[i] = mixed(one + 3);
     e[i] = mixed(one + 4);
   }
-}
-
-void cull_pixels(const KernelRows& rows, const KernelBeam& of_beam, const KernelRowPixels& pixels) {
-  const KernelRows r = rows;
-  const KernelBeam b = of_beam;
-  const double* radii = b.radius;
-  const double* inners = b.inner;
-  const double* raster = b.to_lit;
-  alignas(64) double found[kRowsPixels];
-  const double* __restrict at_x = pixels.x;
-  const double* __restrict at_y = pixels.y;
-  int* __restrict visibility = pixels.visibility;
-  const int all = r.rows * r.count, all_padded = (all + kRowLanes - 1) / kRowLanes * kRowLanes;
-  for (int k = 0; k < all_padded; k += kRowLanes)
-#pragma omp simd simdlen(8)
-    for (int i = k; i < k + kRowLanes; ++i) {
-      const double x = at_x[i], vx = x - r.centre_x, y = at_y[i], vy = y - r.centre_y;
-      const double px = b.middle_x[0] + b.middle_x[1] * x + b.middle_x[2] * y;
-      const double py = b.middle_y[0] + b.middle_y[1] * x + b.middle_y[2] * y;
-      const double axis_x = b.axis_x[0] + b.axis_x[1] * x + b.axis_x[2] * y;
-      const double axis_y = b.axis_y[0] + b.axis_y[1] * x + b.axis_y[2] * y;
-      const double half_way = 0.5 * square_root(axis_x * axis_x + axis_y * axis_y);
-      const std::int64_t bin =
-          whole_part(least(square_root(vx * vx + vy * vy) * b.bins_per_metre, kBeamBins - 0.5));
-      const double radius = radii[bin], inner = inners[bin];
-      const double near_x = clamp(px, b.lower_x, b.upper_x),
-                   near_y = clamp(py, b.lower_y, b.upper_y);
-      const std::int64_t place = place_at((near_y - b.lower_y) * b.scale_y) * kRasterSide +
-                                 place_at((near_x - b.lower_x) * b.scale_x);
-      const double in = raster[place];
-      const double out_x = px - near_x, out_y = py - near_y;
-      const double out2 = out_x * out_x + out_y * out_y, reach = radius + half_way;
-      // No &&, since branches are not vectorised. Beams that are longer than wide between the
-      // planes are tested in parts elsewhere.
-      const bool is_short = half_way <= 0.25 * radius;
-      const bool beyond = out2 + in * in > reach * reach * (1 + kBeamRounding);
-      const bool within = square_root(out2) + in + b.lit_room <= inner;
-      const bool holds =
-          (px > b.lower_x) & (px < b.upper_x) & (py > b.lower_y) & (py < b.upper_y) & !(in > 0);
-      const double of_disc = is_short ? (beyond ? double(kSeesNone) : double(kSeesSomething))
-                                      : double(kNeedsExactTest);
-      found[i] = holds | within ? double(kSeesSomething) : of_disc;
-    }
-#pragma omp simd
-  for (int i = 0; i < all_padded; ++i) visibility[i] = static_cast<int>(found[i]);
 }
 
 }  // namespace plenoflame::PLENOFLAME_ISA

@@ -5,12 +5,11 @@
 #include "plenoflame/scene/compile.h"
 #include "render/visibility/beam_bounds.h"
 #include "render/visibility/occupied_region.h"
-#include "render/visibility/pixel_beams.h"
 
 namespace plenoflame {
 
-/// The microlenses and pixels of a camera that can see anything of its scene. All passes of a
-/// rendering share one object.
+/// The microlenses of a camera (without array: pixels) that can see anything of its scene. All
+/// passes of a rendering share one object.
 class SceneBeams {
  public:
   /// @return nullptr if light may come from everywhere, also along paths that windows bend
@@ -19,15 +18,12 @@ class SceneBeams {
   SceneBeams(const SceneBeams&) = delete;
   SceneBeams& operator=(const SceneBeams&) = delete;
 
-  const BeamBounds& lenses() const { return lenses_; }  ///< without array: pixels
-  /// nullptr: pixels are not tested one by one
-  const PixelBeams* pixels() const { return pixels_.get(); }
+  const BeamBounds& lenses() const { return lenses_; }                   ///< without array: pixels
   const std::optional<BeamBounds>& between() const { return between_; }  ///< clear arrays only
 
  private:
   OccupiedRegion region_;
   BeamBounds lenses_;
-  std::unique_ptr<const PixelBeams> pixels_;
   std::optional<BeamBounds> between_;
 };
 
