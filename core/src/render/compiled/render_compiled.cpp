@@ -163,11 +163,22 @@ class NodeIntegrator {
   WorkCounters counters_;
 };
 
+/// TileWork with the nodes of a compiled camera, in one precision.
 template <class Real>
-void add_tiles(const CompiledScene& scene, const CompiledCamera& camera,
-               const RenderSettings& settings, const std::string& name, const NextTile& next,
-               const Execution& execution, Film& film, RenderStatistics& statistics,
-               const TileDone& tile_done) {
+struct CompiledTiles {
+  const CompiledScene& scene;
+  const CompiledCamera& camera;
+  const RenderSettings& settings;
+  std::string name;  ///< of the camera's file
+
+  void operator()(const NextTile& next, const Execution& execution, Film& film,
+                  RenderStatistics& statistics, const TileDone& tile_done) const;
+};
+
+template <class Real>
+void CompiledTiles<Real>::operator()(const NextTile& next, const Execution& execution, Film& film,
+                                     RenderStatistics& statistics,
+                                     const TileDone& tile_done) const {
   std::vector<std::unique_ptr<NodePath>> paths;
   std::size_t nodes = 1, parts = 1;
   for (const CompiledScene& path : scene.paths()) {
@@ -248,12 +259,8 @@ bool add_all_tiles(const TileWork& work, const RenderSettings& settings, const E
 
 TileWork compiled_work(const CompiledScene& scene, const CompiledCamera& camera,
                        const RenderSettings& settings, const std::string& name) {
-  const auto add = is_single(scene, settings) ? add_tiles<float> : add_tiles<double>;
-  return [&scene, &camera, &settings, name, add](const NextTile& next, const Execution& execution,
-                                                 Film& film, RenderStatistics& statistics,
-                                                 const TileDone& tile_done) {
-    add(scene, camera, settings, name, next, execution, film, statistics, tile_done);
-  };
+  if (is_single(scene, settings)) return CompiledTiles<float>{scene, camera, settings, name};
+  return CompiledTiles<double>{scene, camera, settings, name};
 }
 
 RenderResult render_compiled(const CompiledScene& scene, const CompiledCamera& camera,
