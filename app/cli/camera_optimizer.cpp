@@ -63,6 +63,7 @@ class Problem {
     return changed_camera(start_, change);
   }
 
+  const OptimizerTask& task() const { return task_; }
   double allowed_overlap() const { return allowed_overlap_; }
 
   /// The value to be maximised: the merit. A camera with overlapping micro-images gets a lower
@@ -100,10 +101,10 @@ double evaluate(unsigned, const double* x, double*, void* problem) {
 }
 
 /// Runs one algorithm from x; x becomes the best point that it saw, if that is better.
-void improve(Problem& problem, nlopt_algorithm algorithm, const OptimizerTask& task,
-             int evaluations, double time_limit, double first_step, std::vector<double>& x) {
+void improve(Problem& problem, nlopt_algorithm algorithm, int evaluations, double time_limit,
+             double first_step, std::vector<double>& x) {
   const Optimizer optimizer(nlopt_create(algorithm, static_cast<unsigned>(problem.size())));
-  const double bound = std::log(task.bound);
+  const double bound = std::log(problem.task().bound);
   nlopt_set_lower_bounds1(optimizer.get(), -bound);
   nlopt_set_upper_bounds1(optimizer.get(), bound);
   nlopt_set_max_objective(optimizer.get(), evaluate, &problem);
@@ -127,14 +128,14 @@ OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& ta
   std::vector<double> x(problem.size(), 0.0);
   const int n = static_cast<int>(problem.size());
   nlopt_srand(1);
-  improve(problem, NLOPT_GN_CRS2_LM, task, kGlobalPerVariable * n, 0, 0.1, x);
-  improve(problem, NLOPT_LN_SBPLX, task, kLocalPerVariable * n, 0, 0.02, x);
+  improve(problem, NLOPT_GN_CRS2_LM, kGlobalPerVariable * n, 0, 0.1, x);
+  improve(problem, NLOPT_LN_SBPLX, kLocalPerVariable * n, 0, 0.02, x);
   if (task.traced) {
     problem.set_traced(true);
     // The formulas' best camera may be worse than the start by rays.
     const std::vector<double> unchanged(problem.size(), 0.0);
     if (problem.value(unchanged.data()) > problem.value(x.data())) x = unchanged;
-    improve(problem, NLOPT_LN_SBPLX, task, kTracedPerVariable * n, task.time_limit, 0.05, x);
+    improve(problem, NLOPT_LN_SBPLX, kTracedPerVariable * n, task.time_limit, 0.05, x);
   }
   OptimizerResult result;
   result.camera = problem.camera_at(x.data());

@@ -1,6 +1,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
+#include <array>
 #include <string>
 #include <utility>
 
@@ -35,8 +36,8 @@ void bind_compiled_camera(py::module_& module) {
              r.settings.window = {x, y, width, height};
            })
       .def("SetRegion",
-           [](Run& r, double x, double y, double z, double x2, double y2, double z2) {
-             r.settings.region = {{x, y, z}, {x2, y2, z2}};
+           [](Run& r, const std::array<double, 3>& lower, const std::array<double, 3>& upper) {
+             r.settings.region = {{lower[0], lower[1], lower[2]}, {upper[0], upper[1], upper[2]}};
            })
       .def("Read",
            [](Run& r, const std::string& path) {

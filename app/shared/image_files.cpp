@@ -9,10 +9,29 @@
 #include "plenoflame/lightfield/develop.h"
 
 namespace plenoflame {
+namespace {
 
-double write_images(const std::string& folder, const std::vector<NamedImage>& images,
-                    const std::string& unit, const std::string& channel, bool exr,
-                    const LightField& raw, const Execution& execution) {
+/// A picture that was computed from a raw light field, as a light field of one channel.
+LightField computed(const Image& image, const std::string& channel, const std::string& unit,
+                    const LightField& raw) {
+  LightField field;
+  field.sensor_width = image.width;
+  field.sensor_height = image.height;
+  field.window = {0, 0, image.width, image.height};
+  field.channels.push_back({channel, image, {}});
+  field.unit = unit;
+  field.estimator = raw.estimator;
+  field.seed = raw.seed;
+  field.samples = raw.samples;
+  field.complete = raw.complete;
+  field.version = raw.version;
+  return field;
+}
+
+}  // namespace
+
+double write_pngs(const std::string& folder, const std::vector<NamedImage>& images,
+                  const LightField& raw, const Execution& execution) {
   Image all;  // one exposure for all pictures
   for (const NamedImage& named : images)
     all.pixels.insert(all.pixels.end(), named.image.pixels.begin(), named.image.pixels.end());
@@ -23,41 +42,29 @@ double write_images(const std::string& folder, const std::vector<NamedImage>& im
   settings.saturation = automatic_saturation(all);
   const std::filesystem::path path(folder);
   for (const NamedImage& named : images) {
-    LightField field;
-    field.sensor_width = named.image.width;
-    field.sensor_height = named.image.height;
-    field.window = {0, 0, named.image.width, named.image.height};
-    field.channels.push_back({channel, named.image, {}});
-    field.unit = unit;
-    field.estimator = raw.estimator;
-    field.seed = raw.seed;
-    field.samples = raw.samples;
-    field.complete = raw.complete;
-    field.version = raw.version;
-    field.numbers = named.numbers;
-    PngImage picture = develop(field, settings).picture;
+    PngImage picture = develop(computed(named.image, named.name, "", raw), settings).picture;
     picture.texts = {{"Software", "Plenoflame " + raw.version}};
     write_png((path / (named.name + ".png")).string(), picture, execution.stop);
-    if (exr) write_light_field((path / (named.name + ".exr")).string(), field, execution.stop);
   }
   return settings.saturation;
+}
+
+void write_exrs(const std::string& folder, const std::vector<NamedImage>& images,
+                const std::string& channel, const std::string& unit, const LightField& raw,
+                const Execution& execution) {
+  for (const NamedImage& named : images) {
+    LightField field = computed(named.image, channel, unit, raw);
+    field.numbers = named.numbers;
+    write_light_field((std::filesystem::path(folder) / (named.name + ".exr")).string(), field,
+                      execution.stop);
+  }
 }
 
 void write_depth(const std::string& folder, const Image& depth, const Image& confidence,
                  double nearest, double farthest, const LightField& raw) {
   const std::filesystem::path path(folder);
-  LightField field;
-  field.sensor_width = depth.width;
-  field.sensor_height = depth.height;
-  field.window = {0, 0, depth.width, depth.height};
-  field.channels.push_back({"depth", depth, {}});
+  LightField field = computed(depth, "depth", "m", raw);
   field.layers["confidence"] = confidence;
-  field.unit = std::string("m");
-  field.estimator = raw.estimator;
-  field.seed = raw.seed;
-  field.samples = raw.samples;
-  field.complete = raw.complete;
-  field.version = raw.version;
   write_light_field((path / "depth.exr").string(), field);
   PngImage picture;
   picture.width = depth.width;

@@ -15,13 +15,17 @@ struct NamedImage {
   std::map<std::string, double> numbers;
 };
 
-/// Writes every image as PNG and, with `exr`, as EXR in `unit`. A PNG has the sRGB curve, 16 bits,
-/// and one exposure for all: 99.9 % of the lit pixels are not saturated.
+/// Writes every image as PNG with the sRGB curve, 16 bits, and one exposure for all: 99.9 % of the
+/// lit pixels are not saturated.
 /// @return the value that is white
 /// @throws FileError, Cancelled
-double write_images(const std::string& folder, const std::vector<NamedImage>& images,
-                    const std::string& unit, const std::string& channel, bool exr,
-                    const LightField& raw, const Execution& execution = {});
+double write_pngs(const std::string& folder, const std::vector<NamedImage>& images,
+                  const LightField& raw, const Execution& execution = {});
+
+/// Writes every image as EXR. @throws FileError, Cancelled
+void write_exrs(const std::string& folder, const std::vector<NamedImage>& images,
+                const std::string& channel, const std::string& unit, const LightField& raw,
+                const Execution& execution = {});
 
 /// Writes a depth map. File depth.exr has the channels "depth" [m] and "confidence". In depth.png
 /// the nearest depth is white, the farthest dark, and unknown pixels are black.

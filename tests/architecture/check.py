@@ -198,6 +198,41 @@ def check_tolerances(root):
                 yield f"{path}:{number}: a difference against the bare number {values[1]}"
 
 
+MAX_PARAMETERS = 6
+KERNEL_FILE = re.compile(r"kernel\w*\.h$|\.inl\.h$")  # their arguments are registers
+# Comments, literals and directives hold no functions.
+NO_CODE = re.compile(r"//[^\n]*|/\*.*?\*/|\bR\"(\w*)\(.*?\)\1\"|\"(?:\\.|[^\"\\\n])*\"|(?<!\w)'(?:\\.|[^'\\\n])+'|"
+                     r"^[ \t]*#(?:\\\n|[^\n])*", re.S | re.M)
+TEMPLATE_ARGUMENTS = re.compile(r"(?<=\w)(?<!operator)<[^<>;{}]*>")
+# A type and a name, or a type that only a parameter can have. In the project's format T* is a pointer, a * b a product.
+PARAMETER = re.compile(r"(?:(?:const|unsigned|long|struct|typename) )*[A-Za-z_][\w:]*(?: const)?"
+                       r"(?:[&*]+(?: const)?(?:\.{3})? ?\w*|(?:\.{3})? \w+| \([&*]\w*\).*)(?:\[\w*\])*$")
+
+
+def functions(text):
+    """(line, count of parameters) of declarations, definitions and lambdas; the arguments of a call have no types."""
+    def only_lines(match):
+        return "\n" * match[0].count("\n")
+
+    text = NO_CODE.sub(only_lines, text)
+    while (shorter := TEMPLATE_ARGUMENTS.sub(only_lines, text)) != text:
+        text = shorter
+    for match in re.finditer(r"[\w\]>)]\(", text):
+        parameters = [" ".join(p.split(" = ")[0].split()) for p in arguments(text, match.end())]
+        if 2 * sum(PARAMETER.match(p) is not None for p in parameters) > len(parameters):
+            yield text.count("\n", 0, match.start()) + 1, len(parameters)
+
+
+def check_parameters(root):
+    """Beyond a number, parameters are mistaken for each other: some of them are one value that has a name."""
+    for path in files(root, {".h", ".cpp", ".cxx"}):
+        if KERNEL_FILE.search(path.name):
+            continue
+        for number, count in functions("\n".join(lines(root, path))):
+            if count > MAX_PARAMETERS:
+                yield f"{path}:{number}: {count} parameters (limit {MAX_PARAMETERS})"
+
+
 def check_shell(root):
     """Every shell script parses: one that does not ends the whole of test.sh before any test."""
     for path in files(root, {".sh"}):
@@ -221,6 +256,7 @@ SOURCE_RULES = {
     "messages": check_messages,
     "flags": check_flags,
     "tolerances": check_tolerances,
+    "parameters": check_parameters,
     "shell": check_shell,
 }
 

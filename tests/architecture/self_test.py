@@ -165,6 +165,29 @@ class SourceRules(unittest.TestCase):
         self.assert_bad("shell", ".ci/run", "#!/bin/bash\nif true\n", 3)
         self.assert_good("shell", "tools/x.sh", "#!/bin/bash\nlist='checks of Debian'\n")
 
+    def test_parameters(self):
+        for text in ("int f(int a, int b, int c, int d, int e, int f, int g);",
+                     "int f(A a, const A& b, A* c, A&& d, A e[3], const A (&f)[2], int (*g)(int));",
+                     "A::A(A, const A&, A*, const A* const, A&, unsigned char, long double a) : a_(a) {}",
+                     "auto f = [&](const auto& a, auto... b, auto&& c, bool d, bool e, bool f, bool g) {};",
+                     "f([](A<B<C>> a, A<B, C> b, A<1> c, int d, int e, int f, int g) {});",
+                     "void operator()(int a = 1, A b = {2, 3}, A c = d(e, f), int d, int e, int f, int g);",
+                     "int f(int a,  // b\n      int b, int c, int d, int e, int f,\n      int g);"):
+            self.assert_bad("parameters", "core/src/math/x.cpp", "\n" + text + "\n", line=2)
+        for text in ("int f(int a, int b, int c, int d, int e, int f);",
+                     "int f(A<B, C, D> a, std::function<A(int, int, int)> b, A c = {1, 2, 3, 4});",
+                     "return f(a, b[0], c * d, e.f, -g, h<i>(j, k), {l, m}, n ? o : p);",
+                     "f(a * b, c & d, e * f, g && h, i * j, k * l, m * n);",
+                     "int A::*f(a, b, c, d, e, f, g);", "// f(int a, int b, int c, int d, int e, int f, int g)",
+                     '"f(int a, int b, int c, int d, int e, int f, int g)";',
+                     "#define F(int a, int b, \\\n int c, int d, int e, int f, int g)"):
+            self.assert_good("parameters", "core/src/math/x.cpp", text + "\n")
+        seven = "int f(int a, int b, int c, int d, int e, int f, int g);\n"
+        for path in ("core/src/a/x_kernel.inl.h", "core/src/a/x_kernel.h", "core/src/a/kernel_x.h", "core/src/a/x.inl.h"):
+            self.assert_good("parameters", path, seven)
+        self.assert_bad("parameters", "core/src/a/kernels.cpp", seven)
+        self.assert_bad("parameters", "tests/x.h", seven)
+
     def test_messages(self):
         self.assert_bad("messages", "core/src/render/x.cpp", 'throw InputError("give a region (--region)");\n')
         self.assert_bad("messages", "volumes/src/x.cpp", 'f("without --half",\n')

@@ -344,17 +344,19 @@ TEST(ForwardAgreement, EmissionLines) {
     const auto field = [&](const auto& value, float background) {
       return make_field({-24, -24, -24}, {24, 24, 24}, value, map, background);
     };
+    VoxelMediumOptions options;
+    options.absorption_factors = absorption_factors(flame.spectrum, channels);
+    options.extras.lines = {field(
+        [&](int i, int j, int k) {
+          const double r = (radius(i, j, k) - 0.9) / 0.2;
+          return static_cast<float>(i + j > 4 && r * r < 4 ? 900 * std::exp(-r * r) : 0);
+        },
+        0)};
+    options.extras.line_weights = line_weights(flame, channels);
     return make_voxel_medium(
         field([](int, int, int) { return 1700.0f; }, 300),
         field([&](int i, int j, int k) { return radius(i, j, k) < 0.8 ? 60.0f : 0.0f; }, 0),
-        VoxelInterpolation::trilinear, channels, {}, absorption_factors(flame.spectrum, channels),
-        {{field(
-             [&](int i, int j, int k) {
-               const double r = (radius(i, j, k) - 0.9) / 0.2;
-               return static_cast<float>(i + j > 4 && r * r < 4 ? 900 * std::exp(-r * r) : 0);
-             },
-             0)},
-         line_weights(flame, channels)});
+        VoxelInterpolation::trilinear, channels, options);
   });
 }
 

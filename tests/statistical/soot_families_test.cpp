@@ -60,8 +60,8 @@ CompiledScene scene_of(const Soot& soot, double across, double up) {
                             const std::vector<SourceFunction>& channels, const Execution&) {
     VoxelField temperature = field(hot);
     temperature.background = static_cast<float>(kAmbient);
-    return make_voxel_medium(temperature, field(thick), VoxelInterpolation::trilinear, channels, {},
-                             {1, kRatio});
+    return make_voxel_medium(temperature, field(thick), VoxelInterpolation::trilinear, channels,
+                             {.absorption_factors = {1, kRatio}});
   });
 }
 

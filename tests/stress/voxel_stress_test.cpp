@@ -90,17 +90,18 @@ Ray line(const AffineTransform& t, Vec3 index, Vec3 along) {
 /// hottest and thickest would show.
 template <class Real>
 void check(StressCase& radiance, const Fields& fields, const std::vector<Ray>& rays,
-           const std::string& where, double t0 = -1e3, double t1 = 1e3, Vec3 anchor = {}) {
+           const std::string& where, const RaySpan& span = {-1e3, 1e3}, Vec3 anchor = {}) {
   const double most =
       static_cast<double>(test::total_source(static_cast<long double>(fields.strength.hottest))) *
       -std::expm1(-fields.strength.per_voxel * kSide);
   std::vector<test::Seen> seen;
   for (const Isa isa : test::supported_isas())
-    seen.push_back(test::see<Real>(*fields.medium, rays, test::with(isa), t0, t1, anchor));
+    seen.push_back(
+        test::see<Real>(*fields.medium, rays, test::with(isa), span.near, span.far, anchor));
   for (std::size_t i = 0; i < rays.size(); ++i) {
-    const test::Reference exact =
-        test::integrate_voxels(fields.temperature, fields.absorption, VoxelInterpolation::trilinear,
-                               rays[i], t0, t1, test::total_source);
+    const test::Reference exact = test::integrate_voxels(
+        {fields.temperature, fields.absorption, VoxelInterpolation::trilinear}, rays[i], span,
+        test::total_source);
     for (const test::Seen& s : seen)
       radiance.add((s.radiance[0][i] - static_cast<double>(exact.radiance)) /
                        std::max(most, static_cast<double>(exact.radiance)),
@@ -179,8 +180,8 @@ void inside(const std::string& precision, double bound) {
   const Fields fields(t);
   const std::vector<Ray> rays = special_rays(t);
   for (const double start : {0.0, 1e-9, 0.25, 1.0})
-    check<Real>(radiance, fields, {rays.begin(), rays.begin() + 24}, text("from", start), start,
-                start + 1.3);
+    check<Real>(radiance, fields, {rays.begin(), rays.begin() + 24}, text("from", start),
+                {start, start + 1.3});
 }
 
 TEST(VoxelStress, StartsInside) {
@@ -220,7 +221,7 @@ void shapes(const std::string& precision, double bound) {
          {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}, Vec3{1, 1, 0}, Vec3{0.3, -0.7, 0.9}})
       for (const Vec3 at : {Vec3{4.5, 4.5, 4.5}, Vec3{2.3, 7.1, 3.8}})
         rays.push_back(line(t, at, along));
-    check<Real>(radiance, fields, rays, name, -1e6, 1e6, t.point({4.5, 4.5, 4.5}));
+    check<Real>(radiance, fields, rays, name, {-1e6, 1e6}, t.point({4.5, 4.5, 4.5}));
   }
 }
 
@@ -244,7 +245,7 @@ void sizes(const std::string& precision, double bound) {
       const std::vector<Ray> rays{line(t, {4.4, 4.7, 5.2}, {1, 0.2, -0.1}),
                                   line(t, {1.4, 6.7, 3.3}, {1, 0, 0})};
       check<Real>(radiance, fields, rays, text("size", size) + text(" m at", away) + " m",
-                  -1e3 * size, 1e3 * size, t.point({4.5, 4.5, 4.5}));
+                  {-1e3 * size, 1e3 * size}, t.point({4.5, 4.5, 4.5}));
     }
 }
 
@@ -369,8 +370,8 @@ TEST(VoxelStress, ErrorAgainstSpacing) {
         const test::Seen seen =
             test::see<double>(*medium, {ray}, test::with(Isa::baseline, false), 0, length);
         const test::Reference own =
-            test::integrate_voxels(temperature, absorption, VoxelInterpolation::trilinear, ray, 0,
-                                   length, test::total_source);
+            test::integrate_voxels({temperature, absorption, VoxelInterpolation::trilinear}, ray,
+                                   {0, length}, test::total_source);
         const double exact = static_cast<double>(by_transfer_equation(flame, ray, length));
         const double trilinear = static_cast<double>(own.radiance);
         of_quadrature += std::pow(seen.radiance[0][0] / trilinear - 1, 2) / kRays;

@@ -28,8 +28,10 @@ std::unique_ptr<Medium> load_flame(const FlameSpec& spec, const std::string& sce
 std::unique_ptr<Medium> make_flame_medium(FlameFields flame, const FlameSpec& spec,
                                           std::vector<SourceFunction> channels) {
   check_scale(spec);
-  std::vector<double> factors = absorption_factors(spec.spectrum, channels);
-  VoxelExtras extras;
+  VoxelMediumOptions options;
+  options.absorption_factors = absorption_factors(spec.spectrum, channels);
+  options.placement = {spec.scale, {rotation_xyz(spec.rotation), spec.position}};
+  VoxelExtras& extras = options.extras;
   extras.lines = std::move(flame.lines);
   extras.line_weights = line_weights(spec, channels);
   // From all directions to one.
@@ -41,8 +43,7 @@ std::unique_ptr<Medium> make_flame_medium(FlameFields flame, const FlameSpec& sp
                            spec.interpolation == Interpolation::trilinear
                                ? VoxelInterpolation::trilinear
                                : VoxelInterpolation::constant,
-                           std::move(channels), {}, std::move(factors), std::move(extras),
-                           {spec.scale, {rotation_xyz(spec.rotation), spec.position}});
+                           std::move(channels), options);
 }
 
 }  // namespace plenoflame

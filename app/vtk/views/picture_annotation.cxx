@@ -37,7 +37,8 @@ void set_plate(vtkTextProperty& style, double opacity) {
   style.SetBackgroundOpacity(opacity);
 }
 
-void add_text(const std::string& text, double x, double y, bool from_top, int font_size,
+/// At the left edge. @param y of its lower or, `from_top`, its upper end, in heights of the picture
+void add_text(const std::string& text, double y, bool from_top, int font_size,
               const double (&rgb)[3], vtkRenderer& renderer) {
   vtkNew<vtkTextActor> actor;
   actor->SetInput(text.c_str());
@@ -46,7 +47,7 @@ void add_text(const std::string& text, double x, double y, bool from_top, int fo
   set_plate(*actor->GetTextProperty(), 0.8);
   if (from_top) actor->GetTextProperty()->SetVerticalJustificationToTop();
   actor->GetPositionCoordinate()->SetCoordinateSystemToNormalizedViewport();
-  actor->SetPosition(x, y);
+  actor->SetPosition(0.015, y);
   renderer.AddActor2D(actor);
 }
 
@@ -149,13 +150,13 @@ void add_legend(const std::vector<LegendEntry>& entries, int font_size, vtkRende
   const double line = 1.5 * font_size / std::max(1, renderer.GetSize()[1]);
   double y = 0.02 + line * static_cast<double>(entries.size() - 1);
   for (const LegendEntry& entry : entries) {
-    add_text(entry.text, 0.015, y, false, font_size, entry.rgb, renderer);
+    add_text(entry.text, y, false, font_size, entry.rgb, renderer);
     y -= line;
   }
 }
 
 void add_title(const std::string& text, int font_size, vtkRenderer& renderer) {
-  add_text(text, 0.015, 0.985, true, font_size, {kInk, kInk, kInk}, renderer);
+  add_text(text, 0.985, true, font_size, {kInk, kInk, kInk}, renderer);
 }
 
 }  // namespace plenoflame::views

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 #include <stdexcept>
 #include <utility>
 
@@ -66,10 +67,10 @@ namespace {
 /// Flux and standard error of neighbouring pixels.
 /// @param at the first one's sum of the first replicate @param stride from one replicate to the
 /// next
-void estimate(const double* at, std::size_t stride, int replicates, int count, double scale,
-              float* flux, float* standard_error) {
+void estimate(const double* at, std::size_t stride, int replicates, double scale,
+              std::span<float> flux, float* standard_error) {
   std::array<double, Film::kTile> mean{}, squares{};
-  const auto pixels = static_cast<std::size_t>(count);
+  const std::size_t pixels = flux.size();
   const double n = replicates;
   for (int r = 0; r < replicates; ++r)
     for (std::size_t i = 0; i < pixels; ++i)
@@ -127,7 +128,8 @@ void Film::develop(int tile, int channel, FilmImages& images) const {
   float* const flux = images.flux.pixels.data();
   float* const error = images.standard_error.pixels.data();
   for_rows(pixels, window_, [&](std::size_t of_image, std::size_t of_tile) {
-    estimate(at + of_tile, stride, replicates_, pixels.width, 1 / samples, flux + of_image,
+    estimate(at + of_tile, stride, replicates_, 1 / samples,
+             {flux + of_image, static_cast<std::size_t>(pixels.width)},
              error ? error + of_image : nullptr);
   });
 }

@@ -7,6 +7,7 @@
 #include <csetjmp>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <string_view>
 
 #include "plenoflame/base/error.h"
@@ -48,11 +49,10 @@ void pack_row(const PngImage& image, int row, png_byte* out) {
   }
 }
 
-/// @return false when libpng reported an error, or a stop was requested
-bool write_rows(png_structp png, png_infop info, const PngImage& image, png_text* texts,
-                int text_count, png_byte* buffer, std::FILE* stream, const std::stop_token& stop) {
+/// @param buffer of a row @return false when libpng reported an error, or a stop was requested
+bool write_rows(png_structp png, png_infop info, const PngImage& image,
+                std::span<const png_text> texts, png_byte* buffer, const std::stop_token& stop) {
   if (setjmp(png_jmpbuf(png)) != 0) return false;
-  png_init_io(png, stream);
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width),
                static_cast<png_uint_32>(image.height), image.bits,
                image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
@@ -67,7 +67,7 @@ bool write_rows(png_structp png, png_infop info, const PngImage& image, png_text
     significant.red = significant.green = significant.blue = significant.gray = bits;
     png_set_sBIT(png, info, &significant);
   }
-  if (text_count > 0) png_set_text(png, info, texts, text_count);
+  if (!texts.empty()) png_set_text(png, info, texts.data(), static_cast<int>(texts.size()));
   // Level 3 takes a third of the time of the default for a few per cent more bytes.
   png_set_compression_level(png, 3);
   png_write_info(png, info);
@@ -156,10 +156,9 @@ void write_png(const std::string& path, const PngImage& image, const std::stop_t
   if (png == nullptr) throw std::bad_alloc();
   png_infop info = png_create_info_struct(png);
   std::vector<png_byte> buffer(row_bytes(image));
+  png_init_io(png, file.stream());
   errno = 0;
-  const bool written =
-      info != nullptr && write_rows(png, info, image, texts.data(), static_cast<int>(texts.size()),
-                                    buffer.data(), file.stream(), stop);
+  const bool written = info != nullptr && write_rows(png, info, image, texts, buffer.data(), stop);
   const int error = errno;
   png_destroy_write_struct(&png, &info);
   if (!written) {

@@ -167,7 +167,7 @@ double strength_of_brightness(const ScaledProblem& problem, const std::vector<do
   const auto add = [&](std::span<const double> u) {
     drawn += square_of_lit(problem.samples(u)) / kDraws;
   };
-  draw_prior(problem.regularisation(1), kDraws, 2, add, execution, accuracy);
+  draw_prior(problem.regularisation(1), {kDraws, 2}, add, execution, accuracy);
   const double own = square_of_lit(flame);
   return own > 0 ? drawn / own : std::numeric_limits<double>::max();
 }
@@ -218,8 +218,9 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
 
 /// Resolution and deviations, of a solution whose penalty is a Gaussian prior.
 void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& input,
-                     const ReconstructionSettings& settings, std::span<const double> b, double rows,
+                     const ReconstructionSettings& settings, std::span<const double> b,
                      Watch& watch, Reconstruction& result) {
+  const auto rows = static_cast<double>(result.rows - result.left_out);
   const ProbeAccuracy accuracy{std::max(kLeastProbe, settings.iterations), 1e-5};
   const LinearProblem linear = problem.problem(b);
   const Regularisation penalty = problem.regularisation(result.strength);
@@ -227,7 +228,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   if (settings.probes > 0) {
     const double to = kSolved + settings.probes / all * (1 - kSolved);
     Uncertainty found =
-        estimate_resolution(linear, penalty, settings.probes, 1, watch.rest(to), accuracy);
+        estimate_resolution(linear, penalty, {settings.probes, 1}, watch.rest(to), accuracy);
     result.resolved_unknowns = found.resolved_unknowns;
     result.resolved = std::move(found.resolved);
     for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
@@ -256,7 +257,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
           strength, strength_of_brightness(problem, input.prior, result.values, watch.inner()));
     prior = problem.regularisation(strength);
   }
-  draw_posterior(linear, prior, settings.draws, 1, add, watch.rest(1), accuracy);
+  draw_posterior(linear, prior, {settings.draws, 1}, add, watch.rest(1), accuracy);
   const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
   for (const double square : squares)
     result.deviation.push_back(factor * std::sqrt(square / settings.draws));
@@ -545,7 +546,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           for (double& value : result.absorption_shift) value *= settings.absorption_error;
           result.absorption_error = settings.absorption_error;
         }
-        add_uncertainty(*weighted, input, settings, b, rows, watch, result);
+        add_uncertainty(*weighted, input, settings, b, watch, result);
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
         if (settings.test_model) {
           std::vector<double> left = b;

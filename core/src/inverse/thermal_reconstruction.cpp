@@ -257,9 +257,9 @@ class ThermalSolver {
         model_, physical(x), scale_, result_.figures.stored ? settings_.linear.memory : 0, inner_);
   }
 
-  /// @param done, share the part of the whole that is done, and that these steps are
-  Solution steps(double strength, const std::vector<double>& start, int count, double change,
-                 double done, double share, bool choosing) const {
+  /// Steps from x_. @param done, share the part of the whole that is done, and that these steps are
+  Solution steps(double strength, int count, double change, double done, double share,
+                 bool choosing) const {
     NonlinearProblem problem;
     problem.model = [this](std::span<const double> x) {
       last_.fluxes = thermal_fluxes(model_, physical(x), inner_);
@@ -274,7 +274,7 @@ class ThermalSolver {
     SolverOptions options;
     options.iterations = count;
     options.relative_change = change;
-    options.start = start;
+    options.start = x_;
     options.watch = [&, this](int step, double misfit, std::span<const double> x) {
       if (std::ranges::equal(x, last_.x)) taken_ = last_;
       if (settings_.linear.watch)
@@ -318,7 +318,7 @@ class ThermalSolver {
       figures.strength = -1;  // where a stop comes before one is chosen
       strength = kFirstStrength;
       for (int k = 0; k < kLinearisations; ++k) {
-        x_ = steps(strength, x_, kTrialSteps, kTrialChange, done, 0.15, true).x;
+        x_ = steps(strength, kTrialSteps, kTrialChange, done, 0.15, true).x;
         done += 0.15;
         const StrengthChoice choice = choose_linearised(*derivative_at(x_), strength);
         if (inner_.stop.stop_requested()) return;
@@ -332,7 +332,7 @@ class ThermalSolver {
     }
     figures.strength = strength;
     strength_ = strength;
-    const Solution solution = steps(strength_, x_, settings_.steps, 1e-5, done, 1 - done, false);
+    const Solution solution = steps(strength_, settings_.steps, 1e-5, done, 1 - done, false);
     x_ = solution.x;
     figures.reason = solution.reason;
     for (const SolverStep& step : solution.history) figures.history.push_back(step.misfit / rows_);
@@ -396,7 +396,8 @@ class ThermalSolver {
     const Regularisation penalty{&steps.penalty, strength_};
     Reconstruction& figures = result_.figures;
     if (probes > 0) {
-      const Uncertainty found = estimate_resolution(problem, penalty, probes, 1, inner_, accuracy);
+      const Uncertainty found =
+          estimate_resolution(problem, penalty, {probes, 1}, inner_, accuracy);
       figures.resolved_unknowns = found.resolved_unknowns;
       for (std::size_t j = 0; j < n; ++j) {
         result_.resolved_temperature.push_back(std::clamp(found.resolved[j], 0.0, 1.0));
@@ -430,7 +431,7 @@ class ThermalSolver {
         emission[j] += share * brighter * brighter;
       }
     };
-    draw_posterior(problem, penalty, draws, 1, add, inner_, accuracy);
+    draw_posterior(problem, penalty, {draws, 1}, add, inner_, accuracy);
     double wider = 1;
     if (chained) {
       try {

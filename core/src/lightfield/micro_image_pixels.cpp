@@ -43,12 +43,11 @@ void MicroImages::Pixels::set(const SensorSpec& sensor, const PixelWindow& windo
       y.push_back(static_cast<float>(above));
     }
   }
-  own.resize(x.size());
-  total.resize(x.size());
 }
 
-void MicroImages::WhiteTable::values(Vec2 origin, Vec2 pitch, std::size_t count, const float* x,
-                                     const float* y, Isa isa, float* out) const {
+void MicroImages::WhiteTable::values(Vec2 origin, Vec2 pitch, const std::vector<float>& x,
+                                     const std::vector<float>& y, Isa isa,
+                                     std::vector<float>& out) const {
   // In the table's axes; a step to the right of the upright picture is one to -x of the camera.
   const Vec2 from = origin - centre_;
   const Vec2 v{from.x * outwards_.x + from.y * outwards_.y,
@@ -66,15 +65,15 @@ void MicroImages::WhiteTable::values(Vec2 origin, Vec2 pitch, std::size_t count,
                 static_cast<float>(-step_x * outwards_.y),
                 static_cast<float>(step_y * outwards_.x)};
   }
+  out.resize(x.size());
   micro_image_kernels(isa).white_light(parts.data(), static_cast<int>(count_), kWhiteSide,
-                                       static_cast<int>(count), x, y, out);
+                                       static_cast<int>(x.size()), x.data(), y.data(), out.data());
 }
 
 void MicroImages::LocalWhite::fill(Pixels& pixels, Isa isa) const {
   const Vec2 p = pixels.pitch;
   const double stretch = p.y / p.x;
-  own_.values(pixels.centre, p, pixels.x.size(), pixels.x.data(), pixels.y.data(), isa,
-              pixels.own.data());
+  own_.values(pixels.centre, p, pixels.x, pixels.y, isa, pixels.own);
   pixels.total = pixels.own;
   for (const WhiteTable& other : others_) {
     // The pixels within its reach, which are few: gathered first.
@@ -103,9 +102,7 @@ void MicroImages::LocalWhite::fill(Pixels& pixels, Isa isa) const {
       }
     }
     if (some.at.empty()) continue;
-    some.value.resize(some.at.size());
-    other.values(pixels.centre, p, some.at.size(), some.x.data(), some.y.data(), isa,
-                 some.value.data());
+    other.values(pixels.centre, p, some.x, some.y, isa, some.value);
     for (std::size_t k = 0; k < some.at.size(); ++k)
       pixels.total[static_cast<std::size_t>(some.at[k])] += some.value[k];
   }

@@ -7,9 +7,8 @@ namespace plenoflame {
 
 /// The kernels of this instruction set.
 struct MicroImageKernels {
-  void (*white_light)(const KernelWhitePart* parts, int part_count, int side, int count,
-                      const float* x, const float* y, float* out);
-  bool (*project)(const KernelProjection&, const KernelSamples&);
+  decltype(&baseline::white_light) white_light;
+  decltype(&baseline::project) project;
 };
 MicroImageKernels micro_image_kernels(Isa isa);
 

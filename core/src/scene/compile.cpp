@@ -80,12 +80,20 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
 
 namespace {
 
+/// A scene to be compiled, and what compile() was given for it.
+struct Compilation {
+  const Scene& scene;
+  const PositionMap& positions;
+  const MediumLoader& loader;
+  const Execution& execution;
+  const EarlierScenes& earlier;
+};
+
 /// Loads a flame, without its brightness; what is wrong with its file is said with the place that
 /// names it.
-std::shared_ptr<const Medium> load(const Scene& scene, std::size_t index,
-                                   const MediumLoader& loader,
-                                   const std::vector<SourceFunction>& all_channels,
-                                   const Execution& execution, const PositionMap& positions) {
+std::shared_ptr<const Medium> load(const Compilation& given, std::size_t index,
+                                   const std::vector<SourceFunction>& all_channels) {
+  const auto& [scene, positions, loader, execution, earlier] = given;
   FlameSpec flame = scene.flames[index];
   std::vector<SourceFunction> channels = all_channels;
   // The loader does this itself for a grid of albedos.
@@ -226,37 +234,34 @@ Known known_flame(const Scene& scene, std::size_t index,
   return known;
 }
 
-Flames load_flames(const Scene& scene, const std::vector<SourceFunction>& channels,
-                   const MediumLoader& loader, const Execution& execution,
-                   const PositionMap& positions, const EarlierScenes& earlier) {
+Flames load_flames(const Compilation& given, const std::vector<SourceFunction>& channels) {
+  const Scene& scene = given.scene;
   Flames flames;
   for (std::size_t i = 0; i < scene.flames.size(); ++i) {
-    if (Known known = known_flame(scene, i, channels, earlier); known.loaded) {
+    if (Known known = known_flame(scene, i, channels, given.earlier); known.loaded) {
       flames.loaded.push_back(std::move(known.loaded));
       flames.bright.push_back(std::move(known.bright));
     } else {
-      flames.add(load(scene, i, loader, channels, execution, positions), scene.flames[i]);
+      flames.add(load(given, i, channels), scene.flames[i]);
     }
     const Medium* const medium = flames.bright.back().get();
-    check_place(scene, i, medium, positions, execution);
-    if (medium) check_lights_in_smoke(scene, i, *medium, positions, execution);
+    check_place(scene, i, medium, given.positions, given.execution);
+    if (medium) check_lights_in_smoke(scene, i, *medium, given.positions, given.execution);
   }
   return flames;
 }
 
-std::shared_ptr<const SurfaceScene> compile_surfaces(const Scene& scene,
-                                                     const std::vector<SourceFunction>& emitters,
-                                                     const Execution& execution,
-                                                     const PositionMap& positions,
-                                                     const EarlierScenes& earlier) {
+std::shared_ptr<const SurfaceScene> compile_surfaces(const Compilation& given,
+                                                     const std::vector<SourceFunction>& emitters) {
+  const Scene& scene = given.scene;
   if (scene.surfaces.empty()) return nullptr;
-  for (const CompiledScene* other : earlier)
+  for (const CompiledScene* other : given.earlier)
     if (other && other->scene.surfaces == scene.surfaces && other->emitters == emitters &&
         folder_of(other->scene) == folder_of(scene))
       return other->surfaces;
   return make_surface_scene(
-      scene.surfaces, folder_of(scene), emitters, execution, [&](int surface) {
-        return to_string(positions.find("surfaces[" + std::to_string(surface) + "]"));
+      scene.surfaces, folder_of(scene), emitters, given.execution, [&](int surface) {
+        return to_string(given.positions.find("surfaces[" + std::to_string(surface) + "]"));
       });
 }
 
@@ -310,21 +315,19 @@ void check_surfaces_beside_windows(const CompiledScene& compiled, const Position
 }
 
 /// The flames in one of their channels: files are not read once more.
-Flames flames_of_channel(const Flames& all, int channel, const Scene& scene,
-                         const SourceFunction& source, const MediumLoader& loader,
-                         const Execution& execution, const PositionMap& positions,
-                         const EarlierScenes& earlier) {
+Flames flames_of_channel(const Compilation& given, const Flames& all, int channel,
+                         const SourceFunction& source) {
   Flames flames;
   for (std::size_t i = 0; i < all.loaded.size(); ++i) {
-    if (Known known = known_flame(scene, i, {source}, earlier); known.loaded) {
+    if (Known known = known_flame(given.scene, i, {source}, given.earlier); known.loaded) {
       flames.loaded.push_back(std::move(known.loaded));
       flames.bright.push_back(std::move(known.bright));
       continue;
     }
     std::shared_ptr<const Medium> medium;
     if (all.loaded[i]) medium = all.loaded[i]->single_channel(channel);
-    if (!medium) medium = load(scene, i, loader, {source}, execution, positions);
-    flames.add(std::move(medium), scene.flames[i]);
+    if (!medium) medium = load(given, i, {source});
+    flames.add(std::move(medium), given.scene.flames[i]);
   }
   return flames;
 }
@@ -339,11 +342,10 @@ std::shared_ptr<const Medium> all_of(const Media& flames, const EarlierScenes& e
 }
 
 /// Compiles the channels, or their wavelengths, after camera and flames.
-CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling pupils,
+CompiledScene compile_content(const Compilation& given, Camera camera, PupilSampling pupils,
                               Flames flames, const std::vector<SourceFunction>& sources,
-                              const std::vector<SourceFunction>& emitters,
-                              const Execution& execution, const PositionMap& positions,
-                              const EarlierScenes& earlier) {
+                              const std::vector<SourceFunction>& emitters) {
+  const Scene& scene = given.scene;
   std::vector<Scatterer> scatterers;
   for (std::size_t i = 0; i < flames.bright.size(); ++i)
     if (scene.flames[i].scattering.present())
@@ -351,8 +353,8 @@ CompiledScene compile_content(const Scene& scene, Camera camera, PupilSampling p
   CompiledScene compiled{scene,
                          std::move(camera),
                          std::move(pupils),
-                         all_of(flames.bright, earlier),
-                         compile_surfaces(scene, emitters, execution, positions, earlier),
+                         all_of(flames.bright, given.earlier),
+                         compile_surfaces(given, emitters),
                          compile_lights(scene.lights, emitters),
                          {},
                          std::move(scatterers)};
@@ -426,11 +428,11 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
   // Warnings of a camera are among those of validate().
   Camera camera = same ? same->camera : Camera(scene.camera);
   PupilSampling pupils = same ? same->pupils : PupilSampling(camera, execution);
-  const Flames flames = load_flames(scene, nodes.sources, loader, execution, positions, earlier);
+  const Compilation whole{scene, positions, loader, execution, earlier};
+  const Flames flames = load_flames(whole, nodes.sources);
   check_flames_beside_windows(scene, flames.bright, positions);
-  CompiledScene compiled =
-      compile_content(scene, std::move(camera), std::move(pupils), flames, nodes.sources,
-                      nodes.emitters, execution, positions, earlier);
+  CompiledScene compiled = compile_content(whole, std::move(camera), std::move(pupils), flames,
+                                           nodes.sources, nodes.emitters);
   if (compiled.surfaces) {
     check_camera_outside(compiled, positions, execution);
     warn_of_lights_inside(compiled, positions, execution);
@@ -461,11 +463,11 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
                                 : have_same_indices(part.camera, compiled.camera.spec())
                                     ? compiled.pupils
                                     : PupilSampling(part_camera, quiet);
-    Flames part_flames = flames_of_channel(flames, static_cast<int>(n), part, nodes.sources[n],
-                                           loader, quiet, positions, earlier_parts);
-    compiled.dispersed.push_back(compile_content(
-        part, std::move(part_camera), std::move(part_pupils), std::move(part_flames),
-        {nodes.sources[n]}, {nodes.emitters[n]}, quiet, positions, earlier_parts));
+    const Compilation one{part, positions, loader, quiet, earlier_parts};
+    Flames part_flames = flames_of_channel(one, flames, static_cast<int>(n), nodes.sources[n]);
+    compiled.dispersed.push_back(compile_content(one, std::move(part_camera),
+                                                 std::move(part_pupils), std::move(part_flames),
+                                                 {nodes.sources[n]}, {nodes.emitters[n]}));
     compiled.dispersed.back().film_channel = {channel};
     for (const ChannelMix& mix : nodes.part_mixes)
       compiled.dispersed.back().part_mixes.emplace_back(

@@ -35,13 +35,12 @@ inline MediumLoader glowing_loader(const GlowingGrid& g) {
           },
           g.map);
     };
-    VoxelExtras extras;
-    extras.lines = {field(g.emission)};
-    extras.line_weights = line_weights(flame, channels);
+    VoxelMediumOptions options;
+    options.extras = {{field(g.emission)}, line_weights(flame, channels)};
     VoxelField cold = field(std::vector<double>(g.emission.size(), 0.0));
     cold.background = 1;
-    return make_voxel_medium(cold, field(g.absorption), VoxelInterpolation::trilinear, channels, {},
-                             {}, std::move(extras));
+    return make_voxel_medium(cold, field(g.absorption), VoxelInterpolation::trilinear, channels,
+                             options);
   };
 }
 

@@ -143,10 +143,10 @@ TEST(Uncertainty, ProbesAndDrawsAgreeWithDenseAlgebra) {
   const Regularisation regularisation{p.penalty.get(), strength};
   const Uncertainty exact = exact_uncertainty(p.problem(), regularisation);
   constexpr int kProbes = 2000;
-  const Uncertainty probed = estimate_resolution(p.problem(), regularisation, kProbes, 7);
+  const Uncertainty probed = estimate_resolution(p.problem(), regularisation, {kProbes, 7});
   EXPECT_TRUE(relative(exact.resolved_unknowns, resolution.trace(), 1e-9));
   std::vector<double> squares(Profile::kSamples);
-  draw_posterior(p.problem(), regularisation, kProbes, 3, [&](std::span<const double> x) {
+  draw_posterior(p.problem(), regularisation, {kProbes, 3}, [&](std::span<const double> x) {
     for (std::size_t j = 0; j < x.size(); ++j) squares[j] += x[j] * x[j] / kProbes;
   });
   for (Eigen::Index j = 0; j < Profile::kSamples; ++j) {
@@ -294,8 +294,8 @@ TEST(Refusals, NameWhatIsMissing) {
   StrengthRange range;
   range.lowest = 0;
   EXPECT_THROW(p.choice(range), UsageError);
-  EXPECT_THROW(estimate_resolution(p.problem(), {}, 0, 1), UsageError);
-  EXPECT_THROW(draw_posterior(p.problem(), {}, 0, 1, [](std::span<const double>) {}), UsageError);
+  EXPECT_THROW(estimate_resolution(p.problem(), {}, {0, 1}), UsageError);
+  EXPECT_THROW(draw_posterior(p.problem(), {}, {0, 1}, [](std::span<const double>) {}), UsageError);
   EXPECT_THROW(point_spread(p.problem(), {}, 30), UsageError);
   EXPECT_THROW(solve_gauss_newton({}, {}, {}), UsageError);
 }

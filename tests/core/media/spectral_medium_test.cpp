@@ -136,7 +136,8 @@ TEST(SpectralMedium, Voxels) {
                         std::vector<double> factors) {
     // One interval per cell: the channels of one medium share their steps.
     return make_voxel_medium(field(true, 1), field(false, factor), VoxelInterpolation::trilinear,
-                             std::move(sources), {0}, std::move(factors));
+                             std::move(sources),
+                             {.tolerance = 0, .absorption_factors = std::move(factors)});
   };
   expect_channels_of_grey_media<double>(make, 1e-6);  // samples are in single precision
   expect_channels_of_grey_media<float>(make, 3e-5);

@@ -69,10 +69,10 @@ Fields random_fields(const AffineTransform& transform, double thickest) {
 }
 
 double radiance_of(const LatticeWalk& walk, const Ray& ray, const std::vector<double>& absorption,
-                   RowModel model, const std::vector<double>& samples, double from = -1e30,
-                   double to = 1e30) {
+                   RowModel model, const std::vector<double>& samples,
+                   const RaySpan& span = {-1e30, 1e30}) {
   std::vector<RayInterval> intervals;
-  walk.append(ray, from, to, intervals);
+  walk.append(ray, span.near, span.far, intervals);
   std::vector<std::array<double, 2>> weights;
   node_weights(intervals, absorption, model, weights);
   double sum = 0;
@@ -89,8 +89,8 @@ TEST(LatticeWalk, EmissionGridsAsTheKernelIntegratesThem) {
     for (const double thickest : {0.0, 3.0, 300.0}) {
       Fields f = random_fields(oblique(), thickest);
       const auto medium = make_voxel_medium(f.temperature_field, f.absorption_field, mode,
-                                            {SourceFunction::of_lines(430e-9, {})}, {}, {},
-                                            {{f.emission_field}, {1}});
+                                            {SourceFunction::of_lines(430e-9, {})},
+                                            {.extras = {{f.emission_field}, {1}}});
       const Seen seen = see<double>(*medium, rays, with(Isa::baseline, false));
       const LatticeWalk walk({kCount, oblique(), mode});
       int met = 0;
@@ -167,10 +167,11 @@ TEST(LatticeWalk, HomogeneousStretchInClosedForm) {
     const std::vector<double> absorption(8000, kappa);
     const double expected =
         kappa > 0 ? -7 / kappa * std::expm1(-kappa * (to - from)) : 7 * (to - from);
-    EXPECT_TRUE(relative(radiance_of(walk, ray, absorption, RowModel::emission, emission, from, to),
-                         expected, 1e-11))
+    EXPECT_TRUE(
+        relative(radiance_of(walk, ray, absorption, RowModel::emission, emission, {from, to}),
+                 expected, 1e-11))
         << kappa;
-    EXPECT_TRUE(relative(radiance_of(walk, ray, absorption, RowModel::source, emission, from, to),
+    EXPECT_TRUE(relative(radiance_of(walk, ray, absorption, RowModel::source, emission, {from, to}),
                          expected * kappa, 1e-11))
         << kappa;
   }

@@ -38,7 +38,8 @@ std::shared_ptr<const Medium> wisps(VoxelInterpolation mode) {
   const VoxelField absorption = make_field({-3, 5, 2}, size, value, turned, 0);
   const VoxelField temperature = make_field(
       {-3, 5, 2}, size, [](int, int, int) { return 1500.0f; }, turned, 300);
-  return make_voxel_medium(temperature, absorption, mode, two_channels(), {}, kFactors, {});
+  return make_voxel_medium(temperature, absorption, mode, two_channels(),
+                           {.absorption_factors = kFactors});
 }
 
 std::shared_ptr<const Medium> layers() {
@@ -116,13 +117,13 @@ struct Drawn {
   double passed = 0, proposed = 0;
 };
 
-Drawn draw(const Medium& medium, const MajorantGrid& grid, const Ray& ray, double near, double far,
+Drawn draw(const Medium& medium, const MajorantGrid& grid, const Ray& ray, const RaySpan& within,
            std::size_t node, int count) {
   Drawn drawn;
   for (int i = 0; i < count; ++i) {
     NoiseStream noise(77, static_cast<std::uint64_t>(i));
-    double t = 0, before = near;
-    const bool taken = grid.draw(ray, near, far, node, noise, t, [&](double at, double majorant) {
+    double t = 0, before = within.near;
+    const bool taken = grid.draw(ray, within, node, noise, t, [&](double at, double majorant) {
       EXPECT_GE(at, before);
       before = at;
       drawn.proposed += 1;
@@ -157,7 +158,7 @@ TEST(MajorantGrid, PlacesFollowTheLawOfExtinction) {
     for (std::size_t r = 0; r < rays.size(); ++r) {
       const std::size_t node = r % 2;
       const double near = r == 4 ? 0.31 : 0, far = r == 5 ? 0.33 : 10;
-      const Drawn drawn = draw(*medium, grid, rays[r], near, far, node, kCount);
+      const Drawn drawn = draw(*medium, grid, rays[r], {near, far}, node, kCount);
       double worst = 0;
       const auto compare = [&](double t, double share) {
         MediumOptions options;
@@ -189,7 +190,7 @@ TEST(MajorantGrid, ProposesLittleWhereThereIsLittle) {
   const MajorantGrid grid(*medium);
   // Beside both dense layers.
   const Vec3 place = medium->bounds().lower + Vec3{0, 0.02, 0.04};
-  const Drawn drawn = draw(*medium, grid, {place, {1, 0, 0}}, 0, 1, 1, 2000);
+  const Drawn drawn = draw(*medium, grid, {place, {1, 0, 0}}, {0, 1}, 1, 2000);
   const double length = medium->bounds().upper.x - medium->bounds().lower.x;
   EXPECT_LT(drawn.proposed, 0.02 * 2000 * grid.majorant(1) * length);
   EXPECT_GT(drawn.proposed, 0);

@@ -30,11 +30,11 @@ std::unique_ptr<Medium> medium_of(const VoxelField& temperature, const VoxelFiel
                                   const VoxelField& albedo,
                                   VoxelInterpolation mode = VoxelInterpolation::trilinear,
                                   std::vector<double> factors = {}) {
-  VoxelExtras extras;
-  extras.albedo = albedo;
+  VoxelMediumOptions options;
+  options.absorption_factors = std::move(factors);
+  options.extras.albedo = albedo;
   return make_voxel_medium(temperature, absorption, mode,
-                           {SourceFunction::total(), SourceFunction::band(650e-9, 1e-12)}, {},
-                           std::move(factors), std::move(extras));
+                           {SourceFunction::total(), SourceFunction::band(650e-9, 1e-12)}, options);
 }
 
 const std::vector<Ray> kRays{{{-5e-3, 2e-3, 3e-3}, normalize(Vec3{3, 1.1, 0.7})},
@@ -55,9 +55,10 @@ TEST(VoxelAlbedo, ConstantGridIsAsGoodAsAConstant) {
         const std::vector<double> factors =
             spectral ? std::vector<double>{0.7, 1.9} : std::vector<double>{};
         const auto grid = medium_of(even(1600, 300), absorption, even(albedo), mode, factors);
-        const auto equal = make_voxel_medium(
-            even(1600, 300), extinction, mode,
-            {SourceFunction::total(), SourceFunction::band(650e-9, 1e-12)}, {}, factors);
+        const auto equal =
+            make_voxel_medium(even(1600, 300), extinction, mode,
+                              {SourceFunction::total(), SourceFunction::band(650e-9, 1e-12)},
+                              {.absorption_factors = factors});
         for (const Isa isa : supported_isas()) {
           const Seen a = see<double>(*grid, kRays, with(isa));
           const Seen b = see<double>(*equal, kRays, with(isa));

@@ -38,8 +38,8 @@ void expect_as_alone(const Medium& medium, int channels) {
         t[static_cast<std::size_t>(i)] = limits[k] + width * (i + 0.5) / kPlaces;
       std::vector<double> emission(static_cast<std::size_t>(kPlaces * channels)),
           absorption(emission), one(static_cast<std::size_t>(medium.channel_count())), each(one);
-      cells->coefficients_between(ray, t.data(), kPlaces, channels, emission.data(),
-                                  absorption.data(), temperature.data());
+      cells->coefficients_between(ray, t, channels,
+                                  {emission.data(), absorption.data(), temperature.data()});
       for (std::size_t i = 0; i < kPlaces; ++i) {
         const Vec3 place = ray.at(t[i]);
         medium.coefficients(place, one.data());
@@ -79,23 +79,25 @@ TEST(VoxelCells, PlacesOfACellAreThoseOfEachAlone) {
   for (const VoxelInterpolation mode :
        {VoxelInterpolation::trilinear, VoxelInterpolation::constant})
     for (const int channels : {1, 3}) {
-      expect_as_alone(*make_voxel_medium(temperature, absorption, mode, bands, {}, {}), channels);
-      expect_as_alone(*make_voxel_medium(temperature, absorption, mode, bands, {}, {1.0, 1.3, 2.1}),
+      expect_as_alone(*make_voxel_medium(temperature, absorption, mode, bands), channels);
+      expect_as_alone(*make_voxel_medium(temperature, absorption, mode, bands,
+                                         {.absorption_factors = {1.0, 1.3, 2.1}}),
                       channels);
     }
   // Temperature on a lattice of its own.
   expect_as_alone(*make_voxel_medium(noise({-4, -1, 0}, {16, 13, 14}, 1200, 1900,
                                            scaled(1e-3, {0.3e-3, -0.2e-3, 0.1e-3}), 3),
-                                     absorption, VoxelInterpolation::trilinear, bands, {}, {}),
+                                     absorption, VoxelInterpolation::trilinear, bands),
                   3);
   // Albedo and emission lines.
-  VoxelExtras extras;
+  VoxelMediumOptions options;
+  VoxelExtras& extras = options.extras;
   extras.albedo = noise({-3, 0, 1}, {15, 12, 13}, 0.1F, 0.6F, cells, 4);
   extras.lines.push_back(noise({-3, 0, 1}, {15, 12, 13}, 100, 900, cells, 5));
   extras.line_weights = {0, 1, 0.2};
-  expect_as_alone(*make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear, bands,
-                                     {}, {}, std::move(extras)),
-                  3);
+  expect_as_alone(
+      *make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear, bands, options),
+      3);
 }
 
 }  // namespace

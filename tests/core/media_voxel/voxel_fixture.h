@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "plenoflame/math/ray_span.h"
 #include "plenoflame/media/voxel_medium.h"
 #include "support/approx.h"
 #include "support/isas.h"
@@ -176,16 +177,22 @@ struct Reference {
   long double optical_thickness = 0;
 };
 
-/// dL/ds = kappa (S - L) + j along the ray, front to back. @param line j, or nullptr
-inline Reference integrate_voxels(const VoxelField& temperature, const VoxelField& absorption,
-                                  VoxelInterpolation mode, const Ray& ray, double t0, double t1,
-                                  const Source& source, const VoxelField* line = nullptr) {
+struct VoxelFlame {
+  const VoxelField &temperature, &absorption;
+  VoxelInterpolation mode;
+  const VoxelField* line = nullptr;  ///< its emission, if any
+};
+
+/// dL/ds = kappa (S - L) + j along the ray, front to back.
+inline Reference integrate_voxels(const VoxelFlame& flame, const Ray& ray, const RaySpan& span,
+                                  const Source& source) {
+  const auto& [temperature, absorption, mode, line] = flame;
   const FieldOnRay temp(temperature, mode, ray), kappa(absorption, mode, ray);
   const FieldOnRay glow(line ? *line : VoxelField{}, mode, ray);
-  std::vector<long double> t{t0, t1};
-  temp.append_planes(t0, t1, t);
-  kappa.append_planes(t0, t1, t);
-  if (line) glow.append_planes(t0, t1, t);
+  std::vector<long double> t{span.near, span.far};
+  temp.append_planes(span.near, span.far, t);
+  kappa.append_planes(span.near, span.far, t);
+  if (line) glow.append_planes(span.near, span.far, t);
   std::sort(t.begin(), t.end());
   // 8-point Gauss-Legendre on [-1, 1].
   static const long double x[4] = {

@@ -21,8 +21,8 @@ struct Flame {
     const std::size_t channels = weights.size() / lines.size();
     return make_voxel_medium(
         temperature, absorption, mode,
-        std::vector<SourceFunction>(channels, SourceFunction::band(650e-9, 1e-12)), {}, factors,
-        {lines, weights});
+        std::vector<SourceFunction>(channels, SourceFunction::band(650e-9, 1e-12)),
+        {.absorption_factors = factors, .extras = {lines, weights}});
   }
 };
 
@@ -187,9 +187,9 @@ TEST(VoxelLines, NoiseAgainstTheReference) {
       for (std::size_t c = 0; c < 2; ++c) {
         const VoxelField line = weighted(flame, c);
         for (std::size_t r = 0; r < rays.size(); ++r) {
-          const auto expected =
-              integrate_voxels(flame.temperature, flame.absorption, VoxelInterpolation::trilinear,
-                               rays[r], 0, 1, line_source(650e-9, 1e-12), &line);
+          const auto expected = integrate_voxels(
+              {flame.temperature, flame.absorption, VoxelInterpolation::trilinear, &line}, rays[r],
+              {0, 1}, line_source(650e-9, 1e-12));
           const double value = precise.radiance[c][r];
           most = std::max(most, relative_error(value, double(expected.radiance)));
           EXPECT_LT(relative_error(plain.radiance[c][r], value), 1e-6);

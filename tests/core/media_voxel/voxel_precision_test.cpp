@@ -98,7 +98,7 @@ TEST(VoxelPrecision, SteepCellsAreCut) {
     errors[n] = 0;
     cells[n] = seen.counters.cells;
     for (std::size_t r = 0; r < rays.size(); ++r) {
-      const auto exact = integrate_voxels(t, k, VoxelInterpolation::trilinear, rays[r], 0, 0.1,
+      const auto exact = integrate_voxels({t, k, VoxelInterpolation::trilinear}, rays[r], {0, 0.1},
                                           line_source(650e-9, 1e-12));
       errors[n] = std::max(errors[n], std::fabs(seen.radiance[0][r] / double(exact.radiance) - 1));
     }

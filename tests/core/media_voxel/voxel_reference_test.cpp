@@ -68,10 +68,11 @@ TEST(VoxelReference, SmoothFieldsTrilinear) {
   const Seen seen = see<double>(*medium, rays, with(Isa::baseline));
   const Source line = line_source(kWavelength, 1e-12);
   for (std::size_t r = 0; r < rays.size(); ++r) {
-    const auto total = integrate_voxels(f.temperature, f.absorption, VoxelInterpolation::trilinear,
-                                        rays[r], 0, 1, total_source);
-    const auto band = integrate_voxels(f.temperature, f.absorption, VoxelInterpolation::trilinear,
-                                       rays[r], 0, 1, line);
+    const auto total =
+        integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::trilinear}, rays[r],
+                         {0, 1}, total_source);
+    const auto band = integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::trilinear},
+                                       rays[r], {0, 1}, line);
     EXPECT_TRUE(relative(-std::log(seen.transmittance[r]), double(total.optical_thickness), 1e-12));
     // The error that two nodes per cell leave on this coarse grid, less for T^4 than for the steep
     // band.
@@ -119,8 +120,8 @@ TEST(VoxelReference, FourthOrderInTheCellSize) {
         const double length = (n - 0.1) * 1e-3;
         const Seen seen = see<double>(*medium, {ray}, with(Isa::baseline, false), 0, length);
         const auto exact =
-            integrate_voxels(f.temperature, f.absorption, VoxelInterpolation::trilinear, ray, 0,
-                             length, line_source(kWavelength, 1e-12));
+            integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::trilinear}, ray,
+                             {0, length}, line_source(kWavelength, 1e-12));
         errors[e] += std::fabs(seen.radiance[0][0] / double(exact.radiance) - 1);
       }
     }
@@ -146,8 +147,9 @@ TEST(VoxelReference, RotatedStretchedAndFarAway) {
       const Ray ray = ray_through(transform, {-1, 3.2 + r, 5.1}, {17, 11.3 - r, 7.7}, 0);
       const Vec3 anchor = transform.point({8, 8, 8});
       const double scale = length(transform.point({17, 11.3 - r, 7.7}) - ray.origin);
-      const auto exact = integrate_voxels(
-          f.temperature, f.absorption, VoxelInterpolation::trilinear, ray, 0, scale, total_source);
+      const auto exact =
+          integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::trilinear}, ray,
+                           {0, scale}, total_source);
       const Seen seen = see<double>(*medium, {ray}, with(Isa::baseline), 0, scale, anchor);
       // Two nodes per cell: cells are up to 1 m long, and opaque, where the aspect is 1000.
       const double truncation = scale > 1 ? 5e-4 : 6e-6;
@@ -188,8 +190,9 @@ TEST(VoxelReference, FacesEdgesCornersAndZeroComponents) {
   };
   const Seen seen = see<double>(*medium, rays, with(Isa::baseline), 0, 1);
   for (std::size_t r = 0; r < rays.size(); ++r) {
-    const auto exact = integrate_voxels(f.temperature, f.absorption, VoxelInterpolation::trilinear,
-                                        rays[r], 0, 1, total_source);
+    const auto exact =
+        integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::trilinear}, rays[r],
+                         {0, 1}, total_source);
     // Two nodes per cell; a diagonal crosses cells over 1.7 spacings, where the fields are cubic.
     EXPECT_TRUE(
         relative(seen.radiance[0][r], double(exact.radiance), r == 5 || r == 6 ? 2e-4 : 3e-5))
@@ -209,8 +212,8 @@ TEST(VoxelReference, ConstantModeMatchesEveryVoxel) {
   const auto medium = f.medium(VoxelInterpolation::constant, {SourceFunction::total()});
   for (int r = 0; r < 6; ++r) {
     const Ray ray = ray_through(transform, {-3, 2.2 + r, 5.1}, {19, 11.3 - r, 8.7}, 0.1);
-    const auto exact = integrate_voxels(f.temperature, f.absorption, VoxelInterpolation::constant,
-                                        ray, 0, 1, total_source);
+    const auto exact = integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::constant},
+                                        ray, {0, 1}, total_source);
     const Seen seen = see<double>(*medium, {ray}, with(Isa::baseline));
     EXPECT_TRUE(relative(seen.radiance[0][0], double(exact.radiance), 1e-11)) << r;
   }
@@ -230,7 +233,7 @@ TEST(VoxelReference, DifferentTransforms) {
     for (int r = 0; r < 6; ++r) {
       const Ray ray = ray_through(fine, {-3, 2.2 + r, 5.1}, {19, 11.3 - r, 8.7}, 0.1);
       const auto exact =
-          integrate_voxels(f.temperature, f.absorption, mode, ray, 0, 1, total_source);
+          integrate_voxels({f.temperature, f.absorption, mode}, ray, {0, 1}, total_source);
       const Seen seen = see<double>(*medium, {ray}, with(Isa::baseline));
       EXPECT_TRUE(relative(seen.radiance[0][0], double(exact.radiance), 2e-6)) << r;
       EXPECT_TRUE(
@@ -322,8 +325,9 @@ TEST(VoxelReference, RandomVoxels) {
         }
       }
       if (wild) continue;
-      const auto exact = integrate_voxels(f.temperature, f.absorption,
-                                          VoxelInterpolation::trilinear, ray, 0, 0.1, total_source);
+      const auto exact =
+          integrate_voxels({f.temperature, f.absorption, VoxelInterpolation::trilinear}, ray,
+                           {0, 0.1}, total_source);
       EXPECT_TRUE(
           relative(seen.transmittance[0], std::exp(-double(exact.optical_thickness)), 1e-11));
       if (exact.radiance > 0) {

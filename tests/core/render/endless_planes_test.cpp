@@ -44,7 +44,7 @@ Means means(const EndlessPlanes& planes, Vec3 point) {
   for (std::uint32_t i = 0; i < kDraws; ++i) {
     const auto u = [&](int d) { return (owen_scramble(sobol(i, d), mix64(d)) + 0.5) * 0x1p-32; };
     const EndlessPlanes::Leaving leaving =
-        planes.leave(0, point, {0, 0, 1}, u(0), u(1), u(2), u(3));
+        planes.leave(0, {point, {0, 0, 1}}, u(0), u(1), u(2), u(3));
     const Vec3 way = kCentre - point;
     const Vec3 beside = cross(leaving.direction, way);
     const bool hits = dot(leaving.direction, way) > 0 && length(beside) < kRadius;

@@ -30,12 +30,12 @@ MediumLoader block(double absorption = kAbsorption) {
           {0, 0, 0}, {24, 40, 40}, [=](int, int, int) { return static_cast<float>(value); }, map,
           background);
     };
-    VoxelExtras extras;
-    extras.lines.assign(flame.lines.size(), field(kEmission, 0));
-    extras.line_weights = line_weights(flame, channels);
+    VoxelMediumOptions options;
+    options.absorption_factors = absorption_factors(flame.spectrum, channels);
+    options.extras.lines.assign(flame.lines.size(), field(kEmission, 0));
+    options.extras.line_weights = line_weights(flame, channels);
     return make_voxel_medium(field(300, 300), field(absorption, 0), VoxelInterpolation::constant,
-                             channels, {}, absorption_factors(flame.spectrum, channels),
-                             std::move(extras));
+                             channels, options);
   };
 }
 

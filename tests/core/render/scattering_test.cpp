@@ -149,14 +149,14 @@ TEST(Scattering, ClosedIsothermalSurroundingsWithAGridOfAlbedos) {
       return test::make_field({0, 0, 0}, {24, 24, 40}, value,
                               test::scaled(1e-3, {0.988, -0.012, -0.02}), background);
     };
-    VoxelExtras extras;
-    extras.albedo = field(
+    VoxelMediumOptions options;
+    options.absorption_factors = absorption_factors(spec.spectrum, channels);
+    options.extras.albedo = field(
         [](int i, int j, int k) { return 0.15f * static_cast<float>((i + 2 * j + k) % 7); }, 0);
     return make_voxel_medium(
         field([](int, int, int) { return 1700.0f; }, 1700),
         field([](int i, int, int k) { return 20.0f + static_cast<float>((3 * i + k) % 40); }, 0),
-        VoxelInterpolation::trilinear, channels, {}, absorption_factors(spec.spectrum, channels),
-        std::move(extras));
+        VoxelInterpolation::trilinear, channels, options);
   });
   for (int n = 0; n < with.node_count(); ++n)
     with.lights.environment.push_back(with.medium->source(n, 1700));

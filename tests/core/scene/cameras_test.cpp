@@ -326,8 +326,9 @@ TEST(Cameras, FlamesThatMoveKeepTheirVoxels) {
   const MediumLoader counting = [&](const FlameSpec& flame, const std::string&,
                                     const std::vector<SourceFunction>& channels, const Execution&) {
     ++loaded;
-    return make_voxel_medium(temperature, absorption, VoxelInterpolation::trilinear, channels, {},
-                             {}, {}, {flame.scale, {rotation_xyz(flame.rotation), flame.position}});
+    return make_voxel_medium(
+        temperature, absorption, VoxelInterpolation::trilinear, channels,
+        {.placement = {flame.scale, {rotation_xyz(flame.rotation), flame.position}}});
   };
   Scene scene = for_camera(three().scene, "left");
   scene.flames.resize(1);

@@ -21,19 +21,6 @@
 namespace plenoflame::cli {
 namespace {
 
-struct DevelopArguments {
-  std::string input;
-  std::vector<std::string> set;
-  std::string output;
-  std::string saturation;
-  int bits = 0;
-  std::string curve;
-  std::string channel;
-  bool colour = false;
-  SensorOptions sensor;
-  bool json = false;
-};
-
 /// The scene that a sensor or a colour picture needs.
 Scene needed_scene(const DevelopArguments& settings, const LightField& light_field) {
   const std::string& path = settings.input;
@@ -83,8 +70,7 @@ int run_develop(const DevelopArguments& settings) {
   if (!frames) check_ending("--output", output, {".png"});
   const LightField light_field = read_light_field(settings.input);
   if (frames)
-    return develop_sensor(settings.sensor, light_field, needed_scene(settings, light_field),
-                          settings.channel, settings.input, output, settings.json);
+    return develop_sensor(settings, output, light_field, needed_scene(settings, light_field));
   if (settings.colour && light_field.unit == "e-")
     throw InputError(
         "the light field holds electrons; make the colour picture from the light field in W");

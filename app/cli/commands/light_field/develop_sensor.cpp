@@ -286,9 +286,9 @@ std::vector<double> channel_wavelengths(const Scene& scene) {
   return wavelengths;
 }
 
-int develop_sensor(const SensorOptions& options, const LightField& light_field, const Scene& scene,
-                   const std::string& channel, const std::string& input, const std::string& output,
-                   bool json) {
+int develop_sensor(const DevelopArguments& settings, const std::string& output,
+                   const LightField& light_field, const Scene& scene) {
+  const SensorOptions& options = settings.sensor;
   if (light_field.unit == "e-")
     throw InputError("the light field holds electrons already; develop the light field in W");
   const SensorSpec sensor = with_noise(scene.camera.sensor, options);
@@ -301,7 +301,7 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
   const Developer developer(
       light_field, scene, sensor, execution,
       options.each.empty() ? std::vector<double>{} : channel_times(options, sensor, light_field));
-  const std::string& name = find_channel(light_field, channel).name;
+  const std::string& name = find_channel(light_field, settings.channel).name;
   std::size_t index = 0;
   while (light_field.channels[index].name != name) ++index;
   Report report;
@@ -311,28 +311,28 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
   for (std::size_t t = 0; t < times.size(); ++t)
     for (int f = 0; f < options.frames; ++f) {
       const double time = times[t];
-      FrameSettings settings;
-      settings.exposure_time = time > 0 ? time : developer.automatic();
-      settings.light = !options.dark;
-      settings.number = static_cast<std::uint64_t>(f) << 32 | t;
+      FrameSettings of_frame;
+      of_frame.exposure_time = time > 0 ? time : developer.automatic();
+      of_frame.light = !options.dark;
+      of_frame.number = static_cast<std::uint64_t>(f) << 32 | t;
       std::string path = output;
       if (times.size() > 1)
-        path = numbered(path, without_blanks(readable(settings.exposure_time, Dimension::time)));
+        path = numbered(path, without_blanks(readable(of_frame.exposure_time, Dimension::time)));
       if (options.frames > 1) path = numbered(path, std::to_string(f + 1));
       // Numbered names are new names: neither the input nor each other may be overwritten.
-      check_not_overwritten("--output", path, input);
+      check_not_overwritten("--output", path, settings.input);
       if (std::find(written.begin(), written.end(), path) != written.end())
         throw UsageError("--exposure: two times have the same name, '" + path + "'");
       written.push_back(path);
       SensorFrame frame;
       nlohmann::json times_of_channels = nlohmann::json::object();
       if (path.ends_with(".exr")) {
-        const LightField electrons = developer.electrons(settings, frame);
+        const LightField electrons = developer.electrons(of_frame, frame);
         for (const LightFieldChannel& each : electrons.channels)
           times_of_channels[each.name] = channel_exposure(electrons, each.name);
         files.write(path, [&](const std::string& file) { write_light_field(file, electrons); });
       } else {
-        frame = developer.frame(index, settings);
+        frame = developer.frame(index, of_frame);
         const std::string what = developer.mosaic() ? "mosaic" : "channel " + name;
         files.write(path, [&](const std::string& file) {
           write_numbers(file, frame, sensor, options.dark ? "dark frame" : what,
@@ -361,7 +361,7 @@ int develop_sensor(const SensorOptions& options, const LightField& light_field, 
     }
   files.commit();
   report.add_json("frames", list);
-  report.print(json);
+  report.print(settings.json);
   return kSuccess;
 }
 

@@ -24,11 +24,25 @@ struct SensorOptions {
   }
 };
 
+/// Options of `develop`.
+struct DevelopArguments {
+  std::string input;
+  std::vector<std::string> set;
+  std::string output;
+  std::string saturation;
+  int bits = 0;
+  std::string curve;
+  std::string channel;
+  bool colour = false;
+  SensorOptions sensor;
+  bool json = false;
+};
+
 /// Frames as the sensor would record them. Files .png and .tif hold digital numbers of one channel
 /// (or of the mosaic), .exr electrons of all channels.
-int develop_sensor(const SensorOptions& options, const LightField& light_field, const Scene& scene,
-                   const std::string& channel, const std::string& input, const std::string& output,
-                   bool json);
+/// @param output of the settings, or its default
+int develop_sensor(const DevelopArguments& settings, const std::string& output,
+                   const LightField& light_field, const Scene& scene);
 
 /// Wavelengths [m] of the photons of the scene's channels; 0: all.
 std::vector<double> channel_wavelengths(const Scene& scene);

@@ -13,13 +13,14 @@ namespace {
 
 /// Calls look(x, y) for each recorded value that contributed to a colour of a pixel. This is its
 /// own value, or those of its neighbours whose mean it is (demosaic() in lightfield/sensor.h).
-template <class Look>
-void look_at_values(const Image& raw, MosaicPattern pattern, PixelWindow window, int column,
-                    int row, int colour, const Look& look) {
-  if (mosaic_colour(pattern, window.x + column, window.y + row) == colour) return look(column, row);
+/// @param has_colour whether a recorded value at (x, y) is of this colour
+template <class HasColour, class Look>
+void look_at_values(const Image& raw, int column, int row, const HasColour& has_colour,
+                    const Look& look) {
+  if (has_colour(column, row)) return look(column, row);
   for (int y = std::max(0, row - 1); y <= std::min(raw.height - 1, row + 1); ++y)
     for (int x = std::max(0, column - 1); x <= std::min(raw.width - 1, column + 1); ++x)
-      if (mosaic_colour(pattern, window.x + x, window.y + y) == colour) look(x, y);
+      if (has_colour(x, y)) look(x, y);
 }
 
 }  // namespace
@@ -75,8 +76,12 @@ LeftOutPixels leave_out_bad_pixels(const LightField& field, MosaicPattern mosaic
                       recorded.at(x, y) >= limit;
           defective = defective || is == static_cast<float>(PixelState::defective);
         };
+        const auto has_colour = [&](int x, int y) {
+          return mosaic_colour(mosaic, field.window.x + x, field.window.y + y) ==
+                 static_cast<int>(c);
+        };
         if (demosaiced)
-          look_at_values(recorded, mosaic, field.window, column, row, static_cast<int>(c), look);
+          look_at_values(recorded, column, row, has_colour, look);
         else
           look(column, row);
       }

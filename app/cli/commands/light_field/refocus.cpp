@@ -101,7 +101,8 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
   double white = 0;
   const std::string unit = raw.field.unit + "/(m^2 sr)";
   folder.write([&](const std::string& path) {
-    white = write_images(path, images, unit, how.channel, settings.exr, raw.field, execution);
+    white = write_pngs(path, images, raw.field, execution);
+    if (settings.exr) write_exrs(path, images, how.channel, unit, raw.field, execution);
     if (settings.all_in_focus)
       write_depth(path, stack.depth, stack.confidence, depths.front(), depths.back(), raw.field);
   });

@@ -68,7 +68,8 @@ int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
   ResultFolder folder(settings.raw.output);
   double white = 0;
   folder.write([&](const std::string& path) {
-    white = write_images(path, images, views.unit, how.channel, settings.exr, raw.field, execution);
+    white = write_pngs(path, images, raw.field, execution);
+    if (settings.exr) write_exrs(path, images, how.channel, views.unit, raw.field, execution);
   });
   folder.commit();
 

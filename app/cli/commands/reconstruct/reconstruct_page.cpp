@@ -32,17 +32,13 @@ std::vector<Slice> slices(const Unknowns& unknowns, const std::vector<double>& e
   return {{"front", 1, 2, at}, {"side", 0, 2, at}, {"from above", 0, 1, at}};
 }
 
-HeatMap map_of(const std::string& title, const std::string& unit, const Unknowns& unknowns,
-               const std::vector<double>& values, const Slice& slice, double low, double high) {
+/// The values of a plane, without title, unit and limits.
+HeatMap map_of(const Unknowns& unknowns, const std::vector<double>& values, const Slice& slice) {
   const std::array<int, 3> shape = unknowns.shape();
   HeatMap map;
-  map.title = title;
-  map.unit = unit;
   map.width = shape[slice.across];
   map.height = shape[slice.up];
   map.aspect = unknowns.spacing()[slice.up] / unknowns.spacing()[slice.across];
-  map.low = low;
-  map.high = high;
   for (int row = map.height - 1; row >= 0; --row)
     for (int column = 0; column < map.width; ++column) {
       std::array<int, 3> at = slice.at;
@@ -84,7 +80,12 @@ void add_field(HtmlPage& html, const ReconstructPage& page, const Field& field) 
   for (const Slice& slice : slices(page.unknowns, page.result.estimate.emission)) {
     const auto map = [&](const std::string& title, const std::vector<double>& values, double low,
                          double top) {
-      return map_of(title, field.unit, page.unknowns, values, slice, low, top);
+      HeatMap made = map_of(page.unknowns, values, slice);
+      made.title = title;
+      made.unit = field.unit;
+      made.low = low;
+      made.high = top;
+      return made;
     };
     std::vector<HeatMap> maps{map(field.name + ", " + slice.name, known, field.low, high)};
     if (!field.deviation.empty()) maps.push_back(map("deviation", field.deviation, 0, reach));

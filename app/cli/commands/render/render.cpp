@@ -268,9 +268,10 @@ struct RenderRun {
 
 /// Messages about a run that did not come to its end.
 /// @return the exit status
-int conclude(const RenderOptions& options, const CameraSpec& camera,
-             const RenderStatistics& statistics, const Execution& execution, bool rendering_stopped,
-             bool truth_missing, bool goes_on) {
+int conclude(const Picture& picture, const RenderStatistics& statistics, const Execution& execution,
+             bool rendering_stopped, bool truth_missing, bool goes_on) {
+  const RenderOptions& options = picture.options;
+  const CameraSpec& camera = picture.document.scene.camera;
   const bool stopped = execution.stop.stop_requested();
   const char* const missing = truth_missing ? ", without its layers of ground truth" : "";
   if (stopped && statistics.complete)
@@ -424,7 +425,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   else if (options.json || !options.quiet)
     report.print(options.json);
   if (options.white) run.scenes.clear(), run.newest = nullptr;  // its light is not the scene's
-  return conclude(options, document.scene.camera, result.statistics, execution, rendering_stopped,
+  return conclude(picture, result.statistics, execution, rendering_stopped,
                   options.truth && truth_seconds < 0, moments.size() == 1);
 }
 

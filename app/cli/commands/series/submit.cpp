@@ -36,6 +36,13 @@ struct SubmittedPicture {
   std::string whole;          ///< name of the picture without .exr
 };
 
+/// An array of tasks for the batch system.
+struct JobArray {
+  std::string name;
+  int parts = 1, threads = 1;
+  std::vector<std::string> options;  ///< of the command that a task runs
+};
+
 /// The text as one word of the shell.
 std::string shell_word(const std::string& text) {
   if (!text.empty() &&
@@ -168,12 +175,11 @@ std::string slurm_time(const std::string& text) {
                      whole % 60);
 }
 
-std::string header(const SubmitArguments& arguments, const std::string& name, std::size_t tasks,
-                   int threads) {
+std::string header(const SubmitArguments& arguments, const JobArray& job, std::size_t pictures) {
   std::string text = fmt::format(
       "#!/bin/sh\n#SBATCH --job-name={0}\n#SBATCH --array=1-{1}\n#SBATCH --ntasks=1\n"
       "#SBATCH --cpus-per-task={2}\n#SBATCH --output={0}-%a.log\n",
-      name, tasks, threads);
+      job.name, pictures * static_cast<std::size_t>(job.parts), job.threads);
   if (!arguments.time.empty())
     text += fmt::format("#SBATCH --time={}\n", slurm_time(arguments.time));
   if (!arguments.memory.empty()) text += fmt::format("#SBATCH --mem={}\n", arguments.memory);
@@ -195,19 +201,21 @@ std::string no_further_task(int parts) {
       parts);
 }
 
-std::string with_options(std::string text, const std::vector<std::string>& options) {
-  for (const std::string& option : options) text += ' ' + shell_word(option);
+std::string with_options(std::string text, const JobArray& job) {
+  text += fmt::format(" --threads {} --quiet", job.threads);
+  for (const std::string& option : job.options)
+    if (option != "--quiet") text += ' ' + shell_word(option);
   return text + '\n';
 }
 
 /// The script of a sweep. A task of the array makes the runs of a part, or the remaining ones after
 /// a restart.
-std::string sweep_script(const SubmitArguments& arguments, const std::string& name, int parts,
-                         int threads, const std::vector<std::string>& options) {
+std::string sweep_script(const SubmitArguments& arguments, const JobArray& job) {
   std::string folder = arguments.sweep;
   while (folder.size() > 1 && folder.back() == '/') folder.pop_back();
   folder = shell_word(folder);
-  std::string text = header(arguments, name, static_cast<std::size_t>(parts), threads) + kBegin;
+  const int parts = job.parts;
+  std::string text = header(arguments, job, 1) + kBegin;
   if (parts > 1)
     text += fmt::format(
         "if [ \"${{1:-}}\" = merge ]; then\n"
@@ -218,17 +226,17 @@ std::string sweep_script(const SubmitArguments& arguments, const std::string& na
   text +=
       fmt::format("exec \"$command\" sweep {} -o {}", shell_word(arguments.scenes.front()), folder);
   if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
-  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+  return with_options(text, job);
 }
 
 /// The script of a matrix: a task of the array makes the rows of a part.
-std::string matrix_script(const SubmitArguments& arguments, const std::string& name, int parts,
-                          int threads, const std::vector<std::string>& options) {
+std::string matrix_script(const SubmitArguments& arguments, const JobArray& job) {
   const std::string scene = shell_word(arguments.scenes.front());
   const std::size_t dot = arguments.matrix.rfind('.');
   const std::string stem = shell_word(arguments.matrix.substr(0, dot)),
                     ending = arguments.matrix.substr(dot), whole = shell_word(arguments.matrix);
-  std::string text = header(arguments, name, static_cast<std::size_t>(parts), threads) + kBegin;
+  const int parts = job.parts;
+  std::string text = header(arguments, job, 1) + kBegin;
   if (parts > 1)
     text += fmt::format(
         "if [ \"${{1:-}}\" = merge ]; then\n"
@@ -241,15 +249,14 @@ std::string matrix_script(const SubmitArguments& arguments, const std::string& n
   text += kIsThere;
   text += fmt::format("exec \"$command\" operator {} -o \"$file\"", scene);
   if (parts > 1) text += fmt::format(" --part \"$task/{}\"", parts);
-  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+  return with_options(text, job);
 }
 
 /// The script: a task of the array renders a part, and continues it after a restart.
-std::string script(const SubmitArguments& arguments, const std::string& name,
-                   const std::vector<SubmittedPicture>& pictures, int parts, int threads,
-                   const std::vector<std::string>& options, bool frames) {
-  std::string text =
-      header(arguments, name, pictures.size() * static_cast<std::size_t>(parts), threads) + kBegin;
+std::string script(const SubmitArguments& arguments, const JobArray& job,
+                   const std::vector<SubmittedPicture>& pictures, bool frames) {
+  const int parts = job.parts;
+  std::string text = header(arguments, job, pictures.size()) + kBegin;
   const std::string ending = parts > 1 ? fmt::format("-part-$part-of-{}", parts) : "";
   if (parts > 1) {
     text += "if [ \"${1:-}\" = merge ]; then\n";
@@ -278,26 +285,23 @@ std::string script(const SubmitArguments& arguments, const std::string& name,
     text += fmt::format(
         "file=$whole{0}.exr\nif [ -e \"$file.state\" ]; then\n"
         "  exec \"$command\" render --resume \"$file\" --threads {1} --quiet\nfi\n",
-        ending, threads);
+        ending, job.threads);
     text += kIsThere;
   }
   text += "exec \"$command\" render \"$@\" -o \"$whole.exr\"" + resume;
   if (parts > 1) text += fmt::format(" --part \"$part/{}\"", parts);
-  return with_options(text + fmt::format(" --threads {} --quiet", threads), options);
+  return with_options(text, job);
 }
 
 /// Checks the pictures, and makes their script. @throws UsageError, InputError, FileError
-std::string picture_script(const SubmitArguments& arguments, const std::string& name, int parts,
-                           int threads, const std::vector<std::string>& options) {
-  const RenderArguments render = checked_render_options(options);
+std::string picture_script(const SubmitArguments& arguments, const JobArray& job) {
+  const RenderArguments render = checked_render_options(job.options);
   const std::vector<SubmittedPicture> pictures = pictures_of(arguments, render);
   RenderArguments one = render;
   one.options.scene = arguments.scenes.front();
-  one.part = parts > 1 ? fmt::format("1/{}", parts) : "";
+  one.part = job.parts > 1 ? fmt::format("1/{}", job.parts) : "";
   static_cast<void>(checked_options(one));
-  std::vector<std::string> kept = options;
-  std::erase(kept, "--quiet");
-  return script(arguments, name, pictures, parts, threads, kept, !render.frames.empty());
+  return script(arguments, job, pictures, !render.frames.empty());
 }
 
 int run_submit(const SubmitArguments& arguments) {
@@ -311,25 +315,24 @@ int run_submit(const SubmitArguments& arguments) {
       std::string_view("KMGT").find(arguments.memory.back()) == std::string_view::npos)
     throw UsageError("--memory needs a unit, K, M, G or T, e.g. 4G, not '" + arguments.memory +
                      "'");
-  const std::vector<std::string> options = words_of(arguments.options);
-  const int parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
-  const int threads = whole_number_option("--threads", arguments.threads, 1, 4096);
-  std::string name = std::filesystem::path(arguments.output).stem().string();
-  for (char& c : name)
+  JobArray job;
+  job.options = words_of(arguments.options);
+  job.parts = whole_number_option("--parts", arguments.parts, 1, kMostParts);
+  job.threads = whole_number_option("--threads", arguments.threads, 1, 4096);
+  job.name = std::filesystem::path(arguments.output).stem().string();
+  for (char& c : job.name)
     if (c == ' ' || c == '%') c = '_';
   if (!arguments.sweep.empty()) {
-    check_sweep(arguments, options, parts);
-    write_file(arguments.output, sweep_script(arguments, name, parts, threads, options));
+    check_sweep(arguments, job.options, job.parts);
+    write_file(arguments.output, sweep_script(arguments, job));
   } else if (!arguments.matrix.empty()) {
-    check_matrix(arguments, options);
-    std::vector<std::string> kept = options;
-    std::erase(kept, "--quiet");
-    write_file(arguments.output, matrix_script(arguments, name, parts, threads, kept));
+    check_matrix(arguments, job.options);
+    write_file(arguments.output, matrix_script(arguments, job));
   } else {
-    write_file(arguments.output, picture_script(arguments, name, parts, threads, options));
+    write_file(arguments.output, picture_script(arguments, job));
   }
   const std::string file = shell_word(arguments.output);
-  if (parts == 1)
+  if (job.parts == 1)
     std::cout << fmt::format("sbatch {}\n", file);
   else
     std::cout << fmt::format(

@@ -134,8 +134,9 @@ void MainWindow::export_views() {
                             view.image,
                             {}});
         images.push_back({"contact", contact_sheet(*views), {}});
-        write_images(staging.path(), images, views->unit, field->channels.front().name, true,
-                     *field, execution);
+        write_pngs(staging.path(), images, *field, execution);
+        write_exrs(staging.path(), images, field->channels.front().name, views->unit, *field,
+                   execution);
         staging.commit();
       },
       [] {});

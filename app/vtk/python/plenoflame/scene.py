@@ -367,7 +367,7 @@ class Scene(_home.Shown):
             lower, upper = _check.several("region", region, 2, "two corners x, y, z", _corner)
             if not all(a < b for a, b in zip(lower, upper)):
                 raise Error(f"region: the second corner must lie above the first along x, y and z, not {region!r}")
-            camera.SetRegion(*lower, *upper)
+            camera.SetRegion(lower, upper)
         update(camera, progress, "compile")
         return CompiledCamera(camera)
 

@@ -137,9 +137,9 @@ inline constexpr double kLitShare = 0.01;
 /// The error of a whole image, by its standard errors.
 struct StatedError {
   double relative_rmse = 0;  ///< best estimate, as estimated_relative_rmse()
-  /// The true relative RMSE is below this with a probability of about kErrorConfidence. If one
-  /// pixel makes most of it and there are two replicates, the probability is 82 %
-  /// (docs/theory/errors.md). One replicate: infinite.
+  /// The true relative RMSE is below this with a probability of about kErrorConfidence, which is
+  /// no guarantee. If one pixel makes most of it and there are two replicates, the probability is
+  /// only 82 to 84 % (docs/theory/errors.md). One replicate: infinite.
   double bound = 0;
 };
 inline constexpr double kErrorConfidence = 0.95;

@@ -30,23 +30,29 @@ struct ProbeAccuracy {
   double relative_change = 1e-9;
 };
 
+/// Random draws, at least one, and the seed of their random numbers.
+struct Draws {
+  int count;
+  std::uint64_t seed;
+};
+
 /// Resolution by random signs (Hutchinson 1990; diagonals: Bekas, Kokiopoulou and Saad 2007), each
 /// with a solution by conjugate gradients. Relative errors of a diagonal fall as 1/sqrt(probes).
-/// @param probes at least 1 @return without deviations
+/// @return without deviations
 Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisation& regularisation,
-                                int probes, std::uint64_t seed, const Execution& execution = {},
+                                const Draws& probes, const Execution& execution = {},
                                 const ProbeAccuracy& accuracy = {});
 
 /// Draws of the posterior about its mean, by perturbing data and prior (Papandreou and Yuille
 /// 2010). A draw is the solution, from 0, for data and a prior that are noise. With 30 draws a
 /// deviation is known to 13 %.
-/// @param draws at least 1 @param use called with each of them
-void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation, int draws,
-                    std::uint64_t seed, const std::function<void(std::span<const double>)>& use,
+/// @param use called with each of them
+void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation,
+                    const Draws& draws, const std::function<void(std::span<const double>)>& use,
                     const Execution& execution = {}, const ProbeAccuracy& accuracy = {});
 
 /// Draws of the prior about its mean, of a penalty that determines every unknown.
-void draw_prior(const Regularisation& regularisation, int draws, std::uint64_t seed,
+void draw_prior(const Regularisation& regularisation, const Draws& draws,
                 const std::function<void(std::span<const double>)>& use,
                 const Execution& execution = {}, const ProbeAccuracy& accuracy = {});
 

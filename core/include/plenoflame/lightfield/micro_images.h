@@ -125,8 +125,8 @@ class MicroImages {
     WhiteTable(const MicroImages& micro_images, const Place& place);
     double operator()(Vec2 sensor_point) const;
     /// The values of pixels at origin - (pitch.x x, pitch.y y). Single precision.
-    void values(Vec2 origin, Vec2 pitch, std::size_t count, const float* x, const float* y, Isa isa,
-                float* out) const;
+    void values(Vec2 origin, Vec2 pitch, const std::vector<float>& x, const std::vector<float>& y,
+                Isa isa, std::vector<float>& out) const;
     double reach() const { return reach_; }  ///< [m] no light farther from the centre
     Vec2 centre() const { return centre_; }
 

@@ -34,14 +34,6 @@ enum class VoxelInterpolation {
   constant,   ///< each voxel (half a spacing to each side of its sample) has one value
 };
 
-struct VoxelMediumOptions {
-  /// Largest share of a brick's emission that the quadrature within one cell may miss. A cell with
-  /// a steep source function is cut into as many intervals as this needs (32 at most). 0: always
-  /// one interval per cell. If temperature has its own lattice, cells are cut at the faces of both
-  /// lattices, and not further.
-  double tolerance = 3e-4;
-};
-
 /// Fields that a voxel medium may have besides temperature and absorption. Their samples are at the
 /// places of the absorption's samples, shifted by whole spacings at most.
 struct VoxelExtras {
@@ -56,11 +48,20 @@ struct VoxelExtras {
 };
 inline constexpr std::size_t kMostVoxelLines = 8;
 
+struct VoxelMediumOptions {
+  /// Largest share of a brick's emission that the quadrature within one cell may miss. A cell with
+  /// a steep source function is cut into as many intervals as this needs (32 at most). 0: always
+  /// one interval per cell. If temperature has its own lattice, cells are cut at the faces of both
+  /// lattices, and not further.
+  double tolerance = 3e-4;
+  std::vector<double> absorption_factors = {};  ///< per channel, on the grid's; empty: grey
+  VoxelExtras extras = {};
+  FlamePlacement placement = {};  ///< of the frame in which the fields' transforms are
+};
+
 /// Emission and absorption on voxel grids. Both fields may have different transforms. Absorption's
 /// background must be 0. Integration is exact for `constant`, of fourth order in the cell size for
 /// `trilinear` (docs/theory/emission.md), stable for any optical thickness.
-/// @param absorption_factors per channel, on the grid's absorption; empty: grey
-/// @param placement of the frame in which the fields' transforms are
 /// @throws InputError for a background other than 0, a singular transform, NaN or negative values
 ///         (names field and index)
 /// @throws InputError for a tolerance outside of [0, 1), extras on another lattice than the
@@ -68,9 +69,6 @@ inline constexpr std::size_t kMostVoxelLines = 8;
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
-                                          const VoxelMediumOptions& options = {},
-                                          std::vector<double> absorption_factors = {},
-                                          VoxelExtras extras = {},
-                                          const FlamePlacement& placement = {});
+                                          const VoxelMediumOptions& options = {});
 
 }  // namespace plenoflame

@@ -52,18 +52,21 @@ class Explorer {
 
   /// Explores between node i and the next. Neighbours must not run at the same time.
   void explore(std::size_t i) {
-    MisalignedPupilTracer tracer(camera_, type_);
-    Found found;
-    SpreadPoints spread(i * (kAllBlocks * kExploredTogether +
-                             kMostRounds * kRimBlocks * (kExploredTogether + kClimbs * kClimbing)));
+    constexpr std::size_t kPoints =
+        kAllBlocks * kExploredTogether +
+        kMostRounds * kRimBlocks * (kExploredTogether + kClimbs * kClimbing);
+    Search found(camera_, type_, i * kPoints);
+    const auto height = [&](int block, int blocks) {
+      return (static_cast<double>(i) + (block + 0.5) / blocks) * table_.field_step;
+    };
     for (int block = 0; block < kAllBlocks; ++block)
-      trace(tracer, spread, i, (block + 0.5) / kAllBlocks, 0, farthest_, block % 2 == 0, found);
+      trace(found, height(block, kAllBlocks), 0, farthest_, block % 2 == 0);
     for (int round = 0; round < kMostRounds && found.reach > 0; ++round) {
       const double before = found.reach;
       for (int block = 0; block < kRimBlocks; ++block) {
-        const double t = (block + 0.5) / kRimBlocks;
-        trace(tracer, spread, i, t, 0.8 * before, 1.25 * before, false, found);
-        climb(tracer, spread, i, t, found);
+        const double h = height(block, kRimBlocks);
+        trace(found, h, 0.8 * before, 1.25 * before, false);
+        climb(found, h);
       }
       if (found.reach <= kStill * before) break;
     }
@@ -101,7 +104,12 @@ class Explorer {
   }
 
  private:
-  struct Found {
+  /// The exploration between two nodes, and its findings.
+  struct Search {
+    Search(const Camera& camera, int type, std::size_t first_point)
+        : tracer(camera, type), spread(first_point) {}
+    MisalignedPupilTracer tracer;
+    SpreadPoints spread;
     double reach = 0;    ///< [m] distance of the farthest ray from the micro-image's centre
     double tangent = 0;  ///< tangent of the steepest ray's angle with the axis
     std::vector<Ray> steepest;
@@ -109,12 +117,10 @@ class Explorer {
     PupilTracer::Request farthest;
   };
 
-  /// @param t position between node i and the next @param inner, outer radii about the
-  /// micro-image's centre
+  /// @param h distance from the axis @param inner, outer radii about the micro-image's centre
   /// @param dense most rays are near the inner radius
-  void trace(MisalignedPupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t,
-             double inner, double outer, bool dense, Found& found) {
-    const double h = (static_cast<double>(i) + t) * table_.field_step;
+  void trace(Search& found, double h, double inner, double outer, bool dense) {
+    SpreadPoints& spread = found.spread;
     const Vec2 centre{outwards_ * h, 0};
     requests_.resize(kExploredTogether);
     for (PupilTracer::Request& request : requests_) {
@@ -125,7 +131,7 @@ class Explorer {
       request = {centre + r * Vec2{std::cos(a), std::sin(a)}, d * Vec2{std::cos(b), std::sin(b)}};
     }
     found.block_reach = 0;
-    tracer.trace(h, requests_, [&](std::size_t index, bool passes, const Ray& ray) {
+    found.tracer.trace(h, requests_, [&](std::size_t index, bool passes, const Ray& ray) {
       if (!passes) return;
       note(requests_[index], centre, found);
       const double tangent = std::hypot(ray.direction.x, ray.direction.y) / ray.direction.z;
@@ -138,9 +144,8 @@ class Explorer {
 
   /// Continues from the farthest ray of the last block with ever smaller steps. The farthest rays
   /// of all pass through corners, which evenly spread rays rarely hit.
-  void climb(MisalignedPupilTracer& tracer, SpreadPoints& spread, std::size_t i, double t,
-             Found& found) {
-    const double h = (static_cast<double>(i) + t) * table_.field_step;
+  void climb(Search& found, double h) {
+    SpreadPoints& spread = found.spread;
     const Vec2 centre{outwards_ * h, 0};
     double size = 0.3;
     for (int round = 0; round < kClimbs && found.block_reach > 0; ++round, size *= 0.5) {
@@ -155,13 +160,13 @@ class Explorer {
                                            from.x * std::sin(across) + from.y * std::cos(across)},
                    aim + d * Vec2{std::cos(b), std::sin(b)}};
       }
-      tracer.trace_again(h, requests_, [&](std::size_t index, bool passes, const Ray&) {
+      found.tracer.trace_again(h, requests_, [&](std::size_t index, bool passes, const Ray&) {
         if (passes) note(requests_[index], centre, found);
       });
     }
   }
 
-  static void note(const PupilTracer::Request& request, Vec2 centre, Found& found) {
+  static void note(const PupilTracer::Request& request, Vec2 centre, Search& found) {
     const double reach = length(request.s - centre);
     found.reach = std::max(found.reach, reach);
     if (reach <= found.block_reach) return;

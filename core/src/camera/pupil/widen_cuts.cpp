@@ -62,6 +62,29 @@ class Between {
         cuts[static_cast<std::size_t>(k + 1)][side] += by;
       }
   }
+  /// Widens the cuts to hold a passing ray at p and q. p counts from the end in question towards
+  /// the other.
+  void hold(const PupilCuts::Azimuth& azimuth, float step, std::size_t end, double p, double q,
+            double bound) {
+    const PupilCut cut = cuts_.at(azimuth).at(step);
+    double from_end = p + static_cast<double>(cut[end]);
+    double to_far = static_cast<double>(cut[end + 2]) - p;
+    if (to_far < 1e-3 * bound) {
+      const double by = kRoom * (1e-3 * bound - to_far);
+      widen(azimuth, step, end + 2, static_cast<float>(by));
+      to_far += by;
+    }
+    if (from_end >= 0 && from_end * to_far >= q * q) return;
+    // Moves the end if the step is small, otherwise the far end of its circle.
+    const double lacking = q * q / to_far - from_end;
+    if (lacking < kBeside * bound || from_end < 1e-3 * bound) {
+      const double by = kRoom * std::min(lacking, std::max(kBeside * bound, -from_end));
+      widen(azimuth, step, end, static_cast<float>(by));
+      from_end += by;
+    }
+    if (from_end * to_far < q * q)
+      widen(azimuth, step, end + 2, static_cast<float>(kRoom * (q * q / from_end - to_far)));
+  }
 
  private:
   PupilCuts &a_, &b_;
@@ -104,30 +127,6 @@ class Opening {
   }
   double low_, high_, low_diameter_, high_diameter_;
 };
-
-/// Widens the cuts to hold a passing ray at p and q. p counts from the end in question towards the
-/// other.
-void hold(Between& between, const PupilCuts::Azimuth& azimuth, float step, std::size_t end,
-          double p, double q, double bound) {
-  const PupilCut cut = between.cuts().at(azimuth).at(step);
-  double from_end = p + static_cast<double>(cut[end]);
-  double to_far = static_cast<double>(cut[end + 2]) - p;
-  if (to_far < 1e-3 * bound) {
-    const double by = kRoom * (1e-3 * bound - to_far);
-    between.widen(azimuth, step, end + 2, static_cast<float>(by));
-    to_far += by;
-  }
-  if (from_end >= 0 && from_end * to_far >= q * q) return;
-  // Moves the end if the step is small, otherwise the far end of its circle.
-  const double lacking = q * q / to_far - from_end;
-  if (lacking < kBeside * bound || from_end < 1e-3 * bound) {
-    const double by = kRoom * std::min(lacking, std::max(kBeside * bound, -from_end));
-    between.widen(azimuth, step, end, static_cast<float>(by));
-    from_end += by;
-  }
-  if (from_end * to_far < q * q)
-    between.widen(azimuth, step, end + 2, static_cast<float>(kRoom * (q * q / from_end - to_far)));
-}
 
 }  // namespace
 
@@ -202,8 +201,8 @@ Crossed widen_pair(PupilTracer& own, const PupilTable& table, std::size_t i,
       if (edge) return;
       const double p = dot(u, e), q = u.y * e.x - u.x * e.y;
       const float step = column.step_at(d);
-      hold(between, azimuth, step, 0, p, q, table.discs.bound);
-      hold(between, azimuth, step, 1, -p, q, table.discs.bound);
+      between.hold(azimuth, step, 0, p, q, table.discs.bound);
+      between.hold(azimuth, step, 1, -p, q, table.discs.bound);
     });
   }
   return {std::sqrt(stop2), std::sqrt(far2)};

@@ -242,7 +242,8 @@ void draw(const CompiledScene& scene, const Blocks& blocks, const Box& box,
 /// Adds the rows of one camera, and their rays if they are kept. Returns how many rays there are.
 std::size_t add_rows(const CameraView& view, int number, const Box& box,
                      const CameraRaySettings& settings, const Execution& execution,
-                     std::size_t first, CameraRays& result) {
+                     CameraRays& result) {
+  const std::size_t first = result.ray_count();
   const Blocks blocks(view, settings);
   const std::size_t tiles =
       view.compiled ? view.compiled->tiles.size()
@@ -342,7 +343,7 @@ std::span<const CameraRay> RowRays::of(std::size_t row) {
     drawn_ = {};
     Execution alone;
     alone.threads = 1;
-    add_rows(view, 0, source.box, source.settings, alone, 0, drawn_);
+    add_rows(view, 0, source.box, source.settings, alone, drawn_);
     at_.assign(static_cast<std::size_t>(window.width) * static_cast<std::size_t>(window.height),
                -1);
     for (std::size_t i = 0; i < drawn_.rows.size(); ++i)
@@ -360,16 +361,15 @@ CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box
   if (settings.bin < 1) throw UsageError("blocks of pixels must be at least one pixel wide");
   if (settings.cells < 0) throw UsageError("a micro-image is parted into at least 1 cell");
   CameraRays result;
-  std::size_t count = 0;
+  const auto source = std::make_shared<RaySource>();
+  if (!settings.keep) result.source = source;
   for (std::size_t v = 0; v < views.size(); ++v) {
     if (views[v].compiled) check_view(views[v], window_of(views[v]), box);
-    count += add_rows(views[v], static_cast<int>(v), box, settings, execution, count, result);
+    source->rays += add_rows(views[v], static_cast<int>(v), box, settings, execution, result);
   }
   if (settings.keep) return result;
-  const auto source = std::make_shared<RaySource>();
-  *source = {box, settings, count, {}, {}, {}};
+  *source = {box, settings, source->rays, {}, {}, {}};
   source->settings.keep = true;
-  result.source = source;
   source->pieces = pieces_of(result);
   source->piece_of.resize(result.rows.size());
   for (std::size_t p = 0; p < source->pieces.count(); ++p) {

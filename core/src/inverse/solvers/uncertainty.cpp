@@ -77,53 +77,53 @@ void report(const Execution& execution, int done, int all) {
 }  // namespace
 
 Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisation& regularisation,
-                                int probes, std::uint64_t seed, const Execution& execution,
+                                const Draws& probes, const Execution& execution,
                                 const ProbeAccuracy& accuracy) {
   check(problem, regularisation);
-  if (probes < 1) throw UsageError("at least one probe is needed");
+  if (probes.count < 1) throw UsageError("at least one probe is needed");
   const Execution inner = quiet(execution);
   Uncertainty result;
   result.resolved.assign(problem.a->columns(), 0.0);
-  SignSequence signs(seed + 1);
+  SignSequence signs(probes.seed + 1);
   std::vector<double> z(problem.a->columns());
-  for (int probe = 0; probe < probes; ++probe) {
+  for (int probe = 0; probe < probes.count; ++probe) {
     if (execution.stop.stop_requested()) throw Cancelled();
     for (double& value : z) value = signs.next();
     // z * (R z) has the mean diag(R) over random signs.
     const std::vector<double> r =
         pull_back(problem, regularisation, weighted_model(problem, z), accuracy, inner);
-    for (std::size_t j = 0; j < z.size(); ++j) result.resolved[j] += z[j] * r[j] / probes;
-    report(execution, probe + 1, probes);
+    for (std::size_t j = 0; j < z.size(); ++j) result.resolved[j] += z[j] * r[j] / probes.count;
+    report(execution, probe + 1, probes.count);
   }
   for (const double value : result.resolved) result.resolved_unknowns += value;
   return result;
 }
 
-void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation, int draws,
-                    std::uint64_t seed, const std::function<void(std::span<const double>)>& use,
+void draw_posterior(const LinearProblem& problem, const Regularisation& regularisation,
+                    const Draws& draws, const std::function<void(std::span<const double>)>& use,
                     const Execution& execution, const ProbeAccuracy& accuracy) {
   check(problem, regularisation);
-  if (draws < 1) throw UsageError("at least one draw is needed");
+  if (draws.count < 1) throw UsageError("at least one draw is needed");
   const Execution inner = quiet(execution);
   const StackedOperator stacked(problem, regularisation);
-  NormalSequence random(seed);
-  for (int draw = 0; draw < draws; ++draw) {
+  NormalSequence random(draws.seed);
+  for (int draw = 0; draw < draws.count; ++draw) {
     if (execution.stop.stop_requested()) throw Cancelled();
     std::vector<double> noise = random.next(stacked.rows());
     for (std::size_t i = 0; i < problem.weights.size(); ++i)
       if (!(problem.weights[i] > 0)) noise[i] = 0;
     use(solve_cgls({&stacked, noise}, {}, options_of(accuracy), inner).x);
-    report(execution, draw + 1, draws);
+    report(execution, draw + 1, draws.count);
   }
 }
 
-void draw_prior(const Regularisation& regularisation, int draws, std::uint64_t seed,
+void draw_prior(const Regularisation& regularisation, const Draws& draws,
                 const std::function<void(std::span<const double>)>& use, const Execution& execution,
                 const ProbeAccuracy& accuracy) {
-  if (!regularisation.penalty || !(regularisation.strength > 0) || draws < 1)
+  if (!regularisation.penalty || !(regularisation.strength > 0) || draws.count < 1)
     throw UsageError("draws of a prior need a penalty with a strength, and at least one draw");
-  NormalSequence random(seed);
-  for (int draw = 0; draw < draws; ++draw) {
+  NormalSequence random(draws.seed);
+  for (int draw = 0; draw < draws.count; ++draw) {
     if (execution.stop.stop_requested()) throw Cancelled();
     std::vector<double> noise = random.next(regularisation.penalty->rows());
     for (double& value : noise) value /= std::sqrt(regularisation.strength);

@@ -1,7 +1,16 @@
 #pragma once
+#include <span>
+
 #include "plenoflame/math/vector.h"
 
 namespace plenoflame {
+
+/// Arrays for the coefficients at places of a ray.
+struct CoefficientBatch {
+  double* emission;     ///< [W/(m^3 sr)] channel c of place i at [i * channels + c]
+  double* absorption;   ///< [1/m] likewise
+  double* temperature;  ///< [K] of each place
+};
 
 /// An ability of media whose fields are stored by cells: coefficients at several places
 /// of one cell, which is looked up once.
@@ -11,14 +20,10 @@ class CellSampling {
   /// Coefficients and temperature at places of a ray between the same two neighbouring breakpoints
   /// of Medium::append_breakpoints(). They equal those of Medium::coefficients(), absorptions() and
   /// sample() up to rounding.
-  /// @param t `count` places, ascending, at most kMostAtOnce
+  /// @param t places, ascending, at most kMostAtOnce
   /// @param channels how many, from the first on
-  /// @param emission [W/(m^3 sr)] channel c of place i at [i * channels + c]
-  /// @param absorption [1/m] likewise
-  /// @param temperature [K] of each place
-  virtual void coefficients_between(const Ray& ray, const double* t, int count, int channels,
-                                    double* emission, double* absorption,
-                                    double* temperature) const = 0;
+  virtual void coefficients_between(const Ray& ray, std::span<const double> t, int channels,
+                                    const CoefficientBatch& out) const = 0;
 
  protected:
   ~CellSampling() = default;

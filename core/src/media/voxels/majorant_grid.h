@@ -18,13 +18,13 @@ class MajorantGrid {
   /// @throws InputError when the medium does not know its largest absorption
   explicit MajorantGrid(const Medium& medium);
 
-  /// Proposes places along the ray within the bounds and [near, far], by the majorant of a node,
-  /// until one is accepted. The function accept(t, majorant) [m, 1/m] must accept with the
+  /// Proposes places along the ray within the bounds and the span, by the majorant of a node, until
+  /// one is accepted. The function accept(t, majorant) [m, 1/m] must accept with the
   /// probability extinction / majorant.
   /// @return whether one was; t is its place then
   template <class Accept>
-  bool draw(const Ray& ray, double near, double far, std::size_t node, NoiseStream& noise,
-            double& t, Accept accept) const;
+  bool draw(const Ray& ray, const RaySpan& within, std::size_t node, NoiseStream& noise, double& t,
+            Accept accept) const;
 
   /// Most that absorption can be at a place of the bounds, over its largest anywhere; every node.
   double share_at(Vec3 world) const { return shares_[static_cast<std::size_t>(cell_at(world))]; }
@@ -48,9 +48,9 @@ class MajorantGrid {
 };
 
 template <class Accept>
-bool MajorantGrid::draw(const Ray& ray, double near, double far, std::size_t node,
-                        NoiseStream& noise, double& t, Accept accept) const {
-  const RaySpan span = clip_to_box(bounds_, ray, near, far);
+bool MajorantGrid::draw(const Ray& ray, const RaySpan& within, std::size_t node, NoiseStream& noise,
+                        double& t, Accept accept) const {
+  const RaySpan span = clip_to_box(bounds_, ray, within.near, within.far);
   const double majorant = majorants_[node];
   if (span.empty() || !(majorant > 0)) return false;
   t = span.near;

@@ -118,17 +118,17 @@ class Window {
 
 }  // namespace
 
-Lattice Lattice::of_absorption(const FieldReader& absorption, const FieldReader* temperature,
-                               Index temperature_shift, const std::vector<ExtraField>& extras,
+Lattice Lattice::of_absorption(const FieldReader& absorption, const ExtraField& temperature,
+                               const std::vector<ExtraField>& extras,
                                VoxelInterpolation interpolation, const StepPlanner& steps,
                                const FlamePlacement& placement) {
   Lattice lattice(absorption, interpolation, placement);
-  if (temperature) lattice.background_temperature_ = temperature->field().background;
+  if (temperature.field) lattice.background_temperature_ = temperature.field->field().background;
   std::vector<Index> bricks;
   add_touched(absorption, {}, 0, lattice.one_value_per_cell_, bricks);
   for (const ExtraField& extra : extras)
     if (extra.emits) add_touched(*extra.field, extra.shift, 0, lattice.one_value_per_cell_, bricks);
-  lattice.store(bricks, &absorption, temperature, temperature_shift, extras, &steps);
+  lattice.store(bricks, &absorption, temperature.field, temperature.shift, extras, &steps);
   return lattice;
 }
 

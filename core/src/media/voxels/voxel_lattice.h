@@ -12,7 +12,7 @@ namespace plenoflame::voxel {
 
 /// A further field on the samples of another one: its sample i + shift belongs to sample i of that.
 struct ExtraField {
-  const FieldReader* field;
+  const FieldReader* field;  ///< nullptr: there is none
   Index shift;
   bool emits;  ///< cells where it is not 0 are not empty
 };
@@ -22,10 +22,10 @@ struct ExtraField {
 /// one value. A cell then always reaches from one integer coordinate to the next.
 class Lattice {
  public:
-  /// Cells where `absorption`, or one of the extra fields, is not 0. Temperature sample i +
-  /// temperature_shift belongs to sample i; without a temperature field only absorption is stored.
-  static Lattice of_absorption(const FieldReader& absorption, const FieldReader* temperature,
-                               Index temperature_shift, const std::vector<ExtraField>& extras,
+  /// Cells where `absorption`, or one of the extra fields, is not 0. Without a temperature field
+  /// only absorption is stored.
+  static Lattice of_absorption(const FieldReader& absorption, const ExtraField& temperature,
+                               const std::vector<ExtraField>& extras,
                                VoxelInterpolation interpolation, const StepPlanner& steps,
                                const FlamePlacement& placement);
   /// Cells where `temperature` differs from its background.

@@ -42,6 +42,14 @@ std::optional<Index> shift_between(const AffineTransform& temperature,
   return shift;
 }
 
+/// A field on the samples of another one; no field if it has samples of its own.
+voxel::ExtraField on_samples(const voxel::FieldReader& reader, const VoxelField& other,
+                             bool emits) {
+  const VoxelField& field = reader.field();
+  const auto shift = shift_between(field.index_to_world, other.index_to_world, field.name);
+  return {shift ? &reader : nullptr, shift.value_or(Index{}), emits};
+}
+
 /// Fields on the samples of the absorption.
 class Extras {
  public:
@@ -90,13 +98,12 @@ class Extras {
  private:
   void add(const VoxelField& field, const VoxelField& absorption, bool emits) {
     readers_.emplace_back(field);
-    const auto shift = shift_between(field.index_to_world, absorption.index_to_world, field.name);
-    if (!shift)
+    fields.push_back(on_samples(readers_.back(), absorption, emits));
+    if (!fields.back().field)
       throw InputError(
           fmt::format("field '{}' is not on the lattice of '{}': its voxels must have the same "
                       "size and axes and lie a whole number of voxels apart; resample one of them",
                       field.name, absorption.name));
-    fields.push_back({&readers_.back(), *shift, emits});
   }
   VoxelField share_;
   std::vector<voxel::FieldReader> readers_;
@@ -192,12 +199,26 @@ struct Tables {
 
 class VoxelMedium final : public Medium, public CellSampling {
  public:
-  VoxelMedium(const VoxelField& temperature, const VoxelField& absorption,
+  VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
               VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
-              const FlamePlacement& placement)
-      : VoxelMedium(voxel::FieldReader(temperature), voxel::FieldReader(absorption), interpolation,
-                    std::move(channels), options, std::move(factors), extras, placement) {}
+              const VoxelMediumOptions& options, const Extras& extras)
+      : channels_(std::move(channels)),
+        factors_(grey_or_checked(options.absorption_factors, channels_.size())),
+        line_weights_(extras.weights),
+        share_fields_(extras.has_share() ? 1 : 0),
+        constant_(interpolation == VoxelInterpolation::constant),
+        shared_cells_(std::make_shared<const voxel::Lattice>(voxel::Lattice::of_absorption(
+            absorption, on_samples(temperature, absorption.field(), false), extras.fields,
+            interpolation, voxel::StepPlanner(channels_, options.tolerance), options.placement))),
+        cells_(*shared_cells_),
+        temperature_(on_samples(temperature, absorption.field(), false).field
+                         ? nullptr
+                         : std::make_shared<const voxel::Lattice>(voxel::Lattice::of_temperature(
+                               temperature, interpolation, options.placement))),
+        single_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
+        double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()) {
+    if (!cells_.empty()) set_bounds();
+  }
 
   /// One channel of another one, on the same lattices. Cells are cut as all channels need it.
   VoxelMedium(const VoxelMedium& whole, std::size_t channel)
@@ -285,9 +306,8 @@ class VoxelMedium final : public Medium, public CellSampling {
     return absorption;
   }
 
-  void coefficients_between(const Ray& ray, const double* t, int count, int channels,
-                            double* emission, double* absorption,
-                            double* temperature) const override;
+  void coefficients_between(const Ray& ray, std::span<const double> t, int channels,
+                            const CoefficientBatch& out) const override;
 
   double albedo(Vec3 world) const override {
     if (share_fields_ == 0) return 0;
@@ -328,36 +348,6 @@ class VoxelMedium final : public Medium, public CellSampling {
     std::string text = share_fields_ > 0 ? "a field of albedos, " : "";
     if (lines > 0) text += fmt::format("{} emission line{}, ", lines, lines == 1 ? "" : "s");
     return text;
-  }
-
-  VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
-              VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
-              const FlamePlacement& placement)
-      : VoxelMedium(temperature, absorption, interpolation, std::move(channels), options,
-                    std::move(factors), extras, placement,
-                    shift_between(temperature.field().index_to_world,
-                                  absorption.field().index_to_world, temperature.field().name)) {}
-
-  VoxelMedium(const voxel::FieldReader& temperature, const voxel::FieldReader& absorption,
-              VoxelInterpolation interpolation, std::vector<SourceFunction> channels,
-              const VoxelMediumOptions& options, std::vector<double> factors, const Extras& extras,
-              const FlamePlacement& placement, const std::optional<Index>& shift)
-      : channels_(std::move(channels)),
-        factors_(grey_or_checked(std::move(factors), channels_.size())),
-        line_weights_(extras.weights),
-        share_fields_(extras.has_share() ? 1 : 0),
-        constant_(interpolation == VoxelInterpolation::constant),
-        shared_cells_(std::make_shared<const voxel::Lattice>(voxel::Lattice::of_absorption(
-            absorption, shift ? &temperature : nullptr, shift.value_or(Index{}), extras.fields,
-            interpolation, voxel::StepPlanner(channels_, options.tolerance), placement))),
-        cells_(*shared_cells_),
-        temperature_(shift ? nullptr
-                           : std::make_shared<const voxel::Lattice>(voxel::Lattice::of_temperature(
-                                 temperature, interpolation, placement))),
-        single_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()),
-        double_(channels_, factors_, line_weights_, share_fields_, cells_, temperature_range()) {
-    if (!cells_.empty()) set_bounds();
   }
 
   void set_bounds() {
@@ -491,14 +481,15 @@ void VoxelMedium::integrate_batch(const RayBatch<Real>& rays, const Tables<Real>
   counters.opaque_tails += counted.opaque_tails;
 }
 
-void VoxelMedium::coefficients_between(const Ray& ray, const double* t, int count, int channels,
-                                       double* emission, double* absorption,
-                                       double* temperature) const {
+void VoxelMedium::coefficients_between(const Ray& ray, std::span<const double> t, int channels,
+                                       const CoefficientBatch& out) const {
+  const auto& [emission, absorption, temperature] = out;
+  const int count = static_cast<int>(t.size());
   std::array<Vec3, kMostAtOnce> index;
   std::array<double, kMostAtOnce> extinction{};
   const auto find = [&](const voxel::Lattice& lattice) {
-    for (int i = 0; i < count; ++i)
-      index[static_cast<std::size_t>(i)] = lattice.world_to_index().point(ray.at(t[i]));
+    for (std::size_t i = 0; i < t.size(); ++i)
+      index[i] = lattice.world_to_index().point(ray.at(t[i]));
   };
   if (temperature_) {
     find(*temperature_);
@@ -507,17 +498,16 @@ void VoxelMedium::coefficients_between(const Ray& ray, const double* t, int coun
   find(cells_);
   cells_.sample_cell(index.data(), count, temperature_ ? nullptr : temperature, extinction.data());
   const std::size_t fields = line_weights_.size() / channels_.size();
-  for (int i = 0; i < count; ++i) {
-    const Vec3 at = index[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const Vec3 at = index[i];
     const double share = share_fields_ > 0 ? 1 - albedo(ray.at(t[i])) : 1.0;
     for (int channel = 0; channel < channels; ++channel) {
       const auto c = static_cast<std::size_t>(channel);
-      const std::ptrdiff_t out = static_cast<std::ptrdiff_t>(i) * channels + channel;
-      absorption[out] =
-          extinction[static_cast<std::size_t>(i)] * (factors_.empty() ? 1 : factors_[c]);
-      emission[out] =
-          absorption[out] > 0 ? share * absorption[out] * channels_[c](temperature[i]) : 0.0;
-      if (fields > 0) emission[out] += cells_.sum_extras(at, &line_weights_[c * fields]);
+      const std::size_t to = i * static_cast<std::size_t>(channels) + c;
+      absorption[to] = extinction[i] * (factors_.empty() ? 1 : factors_[c]);
+      emission[to] =
+          absorption[to] > 0 ? share * absorption[to] * channels_[c](temperature[i]) : 0.0;
+      if (fields > 0) emission[to] += cells_.sum_extras(at, &line_weights_[c * fields]);
     }
   }
 }
@@ -578,9 +568,7 @@ void VoxelMedium::append_breakpoints(const Ray& ray, std::vector<double>& t) con
 std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField absorption,
                                           VoxelInterpolation interpolation,
                                           std::vector<SourceFunction> channels,
-                                          const VoxelMediumOptions& options,
-                                          std::vector<double> absorption_factors,
-                                          VoxelExtras extras, const FlamePlacement& placement) {
+                                          const VoxelMediumOptions& options) {
   if (!(options.tolerance >= 0 && options.tolerance < 1))
     throw InputError("the voxel medium's tolerance must be at least 0 and below 1");
   if (channels.empty()) throw InputError("a voxel medium needs at least one channel");
@@ -588,10 +576,11 @@ std::unique_ptr<Medium> make_voxel_medium(VoxelField temperature, VoxelField abs
     throw InputError(fmt::format(
         "field '{}': absorption's background is {} 1/m; it must be 0, or the flame has no end",
         absorption.name, absorption.background));
-  const Extras fields(extras, absorption, channels.size());
-  fields.scatter(absorption);
-  return std::make_unique<VoxelMedium>(temperature, absorption, interpolation, std::move(channels),
-                                       options, std::move(absorption_factors), fields, placement);
+  const Extras extras(options.extras, absorption, channels.size());
+  extras.scatter(absorption);
+  return std::make_unique<VoxelMedium>(voxel::FieldReader(temperature),
+                                       voxel::FieldReader(absorption), interpolation,
+                                       std::move(channels), options, extras);
 }
 
 }  // namespace plenoflame

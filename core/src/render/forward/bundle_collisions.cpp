@@ -11,7 +11,7 @@ BundleCollisions::BundleCollisions(const CompiledScene& scene, const MajorantGri
 BundleCollisions::Event BundleCollisions::next(const Ray& ray, double end, std::size_t driver,
                                                NoiseStream& noise) {
   Event event;
-  majorants_.draw(ray, 0, end, driver, noise, event.t, [&](double t, double majorant) {
+  majorants_.draw(ray, {0, end}, driver, noise, event.t, [&](double t, double majorant) {
     const Vec3 place = ray.at(t);
     // The events share the interval up to the majorant: scattering by each flame, then absorption.
     const double rate = noise.uniform() * majorant;

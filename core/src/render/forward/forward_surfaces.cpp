@@ -265,7 +265,7 @@ bool SurfaceBundles::send_on(std::optional<std::size_t> plane, double u, double 
     return true;
   }
   const EndlessPlanes::Leaving leaving =
-      endless_->leave(*plane, bundle.ray.origin, bundle.normal, number(bundle.index, block, 2),
+      endless_->leave(*plane, {bundle.ray.origin, bundle.normal}, number(bundle.index, block, 2),
                       number(bundle.index, block, 3), u, v);
   bundle.ray.direction = leaving.direction;
   bundle.weight *= leaving.weight;

@@ -93,9 +93,9 @@ Deepest look_at(const Medium& medium, const Ray& ray, double start, double width
   std::array<double, kPoints> t{};
   for (std::size_t g = 0; g < kPoints; ++g) t[g] = start + kFourPoints.at[g] * width;
   if (work.cells)
-    work.cells->coefficients_between(ray, t.data(), static_cast<int>(kPoints),
-                                     static_cast<int>(nodes), work.emission.data(),
-                                     work.absorption.data(), work.temperature.data());
+    work.cells->coefficients_between(
+        ray, t, static_cast<int>(nodes),
+        {work.emission.data(), work.absorption.data(), work.temperature.data()});
   else
     coefficients_at(medium, ray, t.data(), nodes, work);
   return {*std::max_element(work.absorption.begin(), work.absorption.end()),

@@ -16,6 +16,7 @@
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/channel_kinds.h"
 #include "render/paths/ray_path_tracer.h"
+#include "render/run/run_control.h"
 #include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
 #include "render/transport/channel_sum.h"
@@ -271,7 +272,7 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
     throw UsageError("at least " + std::to_string(std::max(1, settings.replicates)) +
                      " rays per pixel and microlens are needed");
   const SceneMedium medium(scene);
-  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
+  const int points = samples_per_replicate(settings);
   const PathLight light(scene, settings, execution);
   const BackwardPlan<double> plan =
       make_pass_plan<double>(scene, medium.get(), settings, {0, points}, light);

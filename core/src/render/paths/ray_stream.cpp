@@ -36,7 +36,7 @@ TraceStatus status_of(int code) {
 /// A spectral path, with all data for its rays.
 template <class Real>
 struct StreamPath {
-  StreamPath(const CompiledScene& path_scene, const RenderSettings& settings, int points,
+  StreamPath(const CompiledScene& path_scene, const RenderSettings& settings,
              const Execution& execution, RayStreamContent content, const std::vector<Box>& region,
              std::shared_ptr<const SobolPools> pools)
       : scene(path_scene), medium(scene), front(scene.camera) {
@@ -48,8 +48,8 @@ struct StreamPath {
     if (content == RayStreamContent::radiance) {
       light = PathLight(scene, settings, execution);
     }
-    plan =
-        make_pass_plan<Real>(scene, medium.get(), settings, {0, points}, light, std::move(pools));
+    plan = make_pass_plan<Real>(scene, medium.get(), settings, {0, samples_per_replicate(settings)},
+                                light, std::move(pools));
     plan.beams = beams.get();
   }
   StreamPath(const StreamPath&) = delete;
@@ -371,12 +371,11 @@ bool stream_rays(const CompiledScene& scene, const RenderSettings& settings,
                  RayStreamContent content, const std::vector<Box>& region) {
   const SensorSpec& sensor = scene.scene.camera.sensor;
   check_stream(settings, sensor);
-  const int points = (settings.samples + settings.replicates - 1) / settings.replicates;
-  const double samples = static_cast<double>(points) * settings.replicates;
+  const double samples = static_cast<double>(samples_per_replicate(settings)) * settings.replicates;
   std::vector<std::unique_ptr<StreamPath<Real>>> paths;
   for (const CompiledScene& path : scene.paths())
     paths.push_back(std::make_unique<StreamPath<Real>>(
-        path, settings, points, execution, content, region,
+        path, settings, execution, content, region,
         paths.empty() ? nullptr : paths.front()->plan.pools_of_range));
 
   const Film tiles(window_of(settings, sensor), 1, 1);

@@ -84,7 +84,7 @@ void ScatterWalk::draw_driver(Walk& walk) const {
 
 /// Draws the next place of extinction on the line, at the hero wavelength. @return false: none
 bool ScatterWalk::collide(Walk& walk, double& t) {
-  return plan_.majorants.draw(walk.line, 0, walk.end, walk.driver, walk.noise, t,
+  return plan_.majorants.draw(walk.line, {0, walk.end}, walk.driver, walk.noise, t,
                               [&](double at, double majorant) {
                                 medium_.absorptions(walk.line.at(at), coefficients_.data());
                                 return walk.noise.uniform() * majorant < coefficients_[walk.driver];

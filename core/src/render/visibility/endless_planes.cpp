@@ -166,8 +166,9 @@ double EndlessPlanes::versine_of_objects(Vec3 point) const {
   return radius_ > 0 && part < 1 ? part / (1 + std::sqrt(1 - part)) : 0;
 }
 
-EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, Vec3 point, Vec3 normal, double way,
+EndlessPlanes::Leaving EndlessPlanes::leave(std::size_t plane, const Ray& outwards, double way,
                                             double choice, double u, double v) const {
+  const Vec3 point = outwards.origin, normal = outwards.direction;
   // The ways are the cosine, the cone around all finite objects, and one for each other plane.
   const double versine = versine_of_objects(point);
   const std::size_t ways = 1 + (versine > 0 ? 1 : 0) + planes_.size() - 1;

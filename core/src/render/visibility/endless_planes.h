@@ -45,9 +45,9 @@ class EndlessPlanes {
   /// distance R, where its value is R^-3. Points on that plane are therefore drawn with equal
   /// probability in every octave of R up to r. Weights then stay bounded for a number of
   /// reflections.
-  /// @param normal of the plane, on the side on which light leaves
+  /// @param outwards from the point, along the normal on the side on which light leaves
   /// @param way, choice, u, v uniform in (0, 1)
-  Leaving leave(std::size_t plane, Vec3 point, Vec3 normal, double way, double choice, double u,
+  Leaving leave(std::size_t plane, const Ray& outwards, double way, double choice, double u,
                 double v) const;
 
   /// Finds where a line crosses a plane. @return false when it is parallel to it

@@ -473,12 +473,11 @@ void focus_on_sensor(CameraSpec& camera, toml::node_view<const toml::node> toml,
 
 }  // namespace
 
-void read_instruction(SceneInReading& reading, const std::string& table, const std::string& path,
-                      const std::vector<std::size_t>& indices, const std::string& name,
+void read_instruction(SceneInReading& reading, const ScenePlace& table, const std::string& name,
                       const std::string& value, const std::string& origin) {
   toml::table fragment;
   fragment.insert(name, value);
-  Reader(reading, origin, 0).read_table(fragment, table, path, indices);
+  Reader(reading, origin, 0).read_table(fragment, table.schema_path, table.path, table.indices);
 }
 
 SceneDocument parse_scene(std::string_view text, const std::string& name) {

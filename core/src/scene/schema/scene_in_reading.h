@@ -28,10 +28,16 @@ struct SceneInReading {
   std::string option = {};                   ///< what messages call each of them
 };
 
+/// A path in a scene, taken apart.
+struct ScenePlace {
+  std::string path;                  ///< with the numbers of items
+  std::string schema_path;           ///< with [] in place of these
+  std::vector<std::size_t> indices;  ///< the numbers
+};
+
 /// Reads what is no key of the schema: `preset`, `file` and `f_number` of a table.
-/// @param table its schema path  @param path the same with `indices`  @param origin for messages
-void read_instruction(SceneInReading& reading, const std::string& table, const std::string& path,
-                      const std::vector<std::size_t>& indices, const std::string& name,
+/// @param origin for messages
+void read_instruction(SceneInReading& reading, const ScenePlace& table, const std::string& name,
                       const std::string& value, const std::string& origin);
 
 /// Applies the remaining settings, in their order. Files named by settings are opened even if the

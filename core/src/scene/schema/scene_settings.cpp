@@ -70,15 +70,9 @@ std::size_t item_named(const Scene& scene, const SchemaList& list,
                    numbers);
 }
 
-/// A path taken apart, with numbers for items.
-struct Place {
-  std::string path, schema_path;
-  std::vector<std::size_t> indices;
-};
-
-Place place_of(const Scene& scene, std::string_view text) {
+ScenePlace place_of(const Scene& scene, std::string_view text) {
   const std::vector<Step> steps = steps_of(text);
-  Place place;
+  ScenePlace place;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     for (std::string* path : {&place.path, &place.schema_path})
       path->append(i == 0 ? "" : ".").append(steps[i].name);
@@ -152,9 +146,8 @@ std::string with_numbers(std::string_view path) {
 void set(SceneInReading& reading, std::string_view path, const std::string& value,
          const std::string& origin) {
   Scene& scene = reading.document.scene;
-  const Place place = place_of(scene, path);
+  const ScenePlace place = place_of(scene, path);
   const auto [table, name] = split(place.schema_path);
-  const std::string table_path = split(place.path).first;
   if (schema::is_of_camera(place.schema_path) && !scene.cameras.empty())
     throw InputError("the scene has several cameras; say which: cameras." +
                      scene.cameras.front().name +
@@ -166,7 +159,7 @@ void set(SceneInReading& reading, std::string_view path, const std::string& valu
     (one ? scene.camera : scene.cameras.at(place.indices.front())).array.present = true;
   }
   if (is_instruction(table, name)) {
-    read_instruction(reading, table, table_path, place.indices, name, value, origin);
+    read_instruction(reading, {split(place.path).first, table, place.indices}, name, value, origin);
   } else if (const SchemaKey* key = find_schema_key(place.schema_path)) {
     const SchemaValue converted = value_from_text(*key, value);
     check_range(*key, converted);
