@@ -197,7 +197,7 @@ def compiled(folder):
     found = json.loads(path.read_text(encoding="ascii"))
     lines = ["## Compiled cameras", "",
              f"The pictures are a window of `paper-flame-1m` ({found['window']}) across rims and middle of the flame. Times are processor times of all threads, reading and\n"
-             "writing included. The reference of the true error has 8192 samples and another seed; its error is subtracted.\n"
+             "writing included. The reference has 8192 samples.\n"
              "`tools/compiled_benchmark.py` measures the table.", "",
              "| camera | rays per pixel | s to compile | s per picture | stated error | true error |", "|---|---:|---:|---:|---:|---:|"]
     for row in found["rows"]:

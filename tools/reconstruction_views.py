@@ -79,7 +79,8 @@ def main():
 sensor of 20000 electrons. Voxels are counted along the longest side, with {options.rays} rays a pixel and microlens. Errors in per
 cent stand beside those of one slice with the best strength by the truth at 30 and 20 dB.
 
-Asked of six cameras: less than 8 % of emission and 1.5 % of temperature. With 64^3 voxels noise has more room, and emission misses it.
+The aim for six cameras is less than 8 % of emission and 1.5 % of temperature. The emission of 64^3 voxels misses it: more unknowns follow
+more of the noise.
 
 | voxels | cameras | rows | chi^2 per row | emission, slice | emission, ours | temperature, slice | temperature, ours |
 |---|---|---|---|---|---|---|---|

@@ -59,10 +59,10 @@ CASES = {
                   """Total radiation [W/(m^2 sr)] of a cylinder of 80 mm radius with kappa = 8 1/m and T = 1800 sin(r^2/(2 L^2) + z/H) + 273.15 K. The
 printed argument lacks a normalisation; here it is divided by H. Tolerance 1e-6, relative.
 
-The source claims that a camera with one focus has smaller errors than one with three. This is not confirmed. The camera sees 40 of
-the 10 x 10 rings. Our data are from 40 x 40 rings along other rays, and LSQR stops at the best iteration by the truth. Mean temperature
-errors of four draws of noise are 12.4 % (one focus) and 12.2 % (three) at 30 dB, 12.8 % (both) at 20 dB. `CaseA.OneFocusErrsAsThree` tests a
-quarter of the sensor: 12.5 and 12.8 % (both). The bars of the source's figure are unreadable, so the size of its difference is unknown.""", None),
+The source claims that a camera with one focus has smaller errors than one with three. This is not confirmed. Mean temperature errors of
+four draws of noise are 12.4 % (one focus) and 12.2 % (three) at 30 dB, 12.8 % (both) at 20 dB. `CaseA.OneFocusErrsAsThree` tests a quarter
+of the sensor: 12.5 and 12.8 % (both). The camera sees 40 of the 10 x 10 rings. The data are from 40 x 40 rings along other rays, and LSQR
+stops at the best iteration by the truth.""", None),
     "CaseB": Case("Cylinder with a hot ring: chords",
                   """Radiance [W/(m^3 sr)] of a cylinder of 20 mm radius with T = 900 + 1200 exp(-(3 (r^2/R^2 + z^2/H^2) - 0.9)^2) K. Five
 chords in the heights 40, 100 and 160 mm pass the axis at 0 or 10 mm. They are computed for kappa = 8 and 30 1/m, at 610 and 650 nm.

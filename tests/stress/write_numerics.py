@@ -26,9 +26,8 @@ HEAD = """# Numerical accuracy
 This page shows the largest errors of the formulas for extreme values, and how often the stated error of a picture holds.
 `ninja -C build/release numerics` makes it from the stress suite (`tests/stress`). The tests fail if an error exceeds its bound.
 
-Each error is the largest of all cases and instruction sets. A reference shares no code with the formula that it tests. The unit of an
-error stands in brackets; "ulp" is one unit in the last place of the exact value. Rows with two numbers have single precision first, then
-double precision.
+Each error is the largest of all cases and instruction sets. A reference shares no code with the formula. The unit of an error stands in
+brackets; "ulp" is one unit in the last place of the exact value. The first of two numbers is of single, the second of double precision.
 """
 
 
@@ -51,10 +50,10 @@ Grey lines have the exact slopes.
 BOUNDS_TITLE = "\n## How often the stated limit of the error holds\n"
 
 BOUNDS = BOUNDS_TITLE + """
-The true relative RMSE of a picture shall lie below the stated 95 % limit ([errors](theory/errors.md)). The table has the share of pictures
-for which it does. The true error is the difference from a picture of 64 times the samples, in the brightest window. Each example has LEAST
-or more pictures with their own seeds, so shares have standard errors of at most MOST %. Examples that take longer than SECONDS are left out.
-`write_numerics.py --bounds` (`tests/stress`) makes the table.
+The table has the share of pictures whose true relative RMSE lies below the stated [95 % limit](theory/errors.md#upper-limit-of-the-error). The
+true error is the difference from a picture of 64 times the samples, in the brightest window. Each example has LEAST or more pictures with their
+own seeds, so shares have standard errors of at most MOST %. Examples that take longer than SECONDS are left out
+(`write_numerics.py --bounds` in `tests/stress`).
 
 | window [pixels] | samples | replicates | examples | lowest share | median share | limit over true error, median |
 |---|---|---|---|---|---|---|

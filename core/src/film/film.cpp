@@ -152,7 +152,7 @@ bool Film::is_taken() const {
                      [](const FilmImages& images) { return images.flux.empty(); });
 }
 
-std::vector<double> Film::finish(int tile) {
+void Film::finish(int tile) {
   const auto index = static_cast<std::size_t>(tile);
   std::vector<double>& sums = sums_[index];
   if (!sums.empty()) {  // where nothing came nothing need be kept
@@ -160,15 +160,7 @@ std::vector<double> Film::finish(int tile) {
       develop(tile, channel, finished_.at(static_cast<std::size_t>(channel)));
     tile_finished_[index] = 1;
   }
-  sums.clear();
-  return std::exchange(sums, {});
-}
-
-void Film::lend(int tile, std::vector<double> memory) {
-  std::vector<double>& sums = sums_[static_cast<std::size_t>(tile)];
-  if (!sums.empty()) return;
-  memory.clear();
-  sums = std::move(memory);
+  sums = {};
 }
 
 std::size_t Film::finished_count(int tile) const {

@@ -73,11 +73,7 @@ class Film {
   bool allows_finishing() const { return !finished_.empty(); }
   /// Call it when all samples of the tile have been added. It replaces the tile's sums by the
   /// values that images() computes from them.
-  /// @return their memory, for another tile (lend()), because the system takes time to allocate new
-  ///         memory
-  std::vector<double> finish(int tile);
-  /// Memory for the sums of a tile that has none.
-  void lend(int tile, std::vector<double> memory);
+  void finish(int tile);
   bool is_finished(int tile) const { return tile_finished_[static_cast<std::size_t>(tile)] != 0; }
   bool has_finished_tiles() const;
   /// Tells whether take_images() has removed the images of finished tiles.

@@ -26,11 +26,12 @@ struct RegularLattice {
   Vec3 place(std::size_t sample) const;  ///< world
 };
 
-/// A quadrature node of an interval: a field there is the sum of weight * sample.
+/// A quadrature node of an interval: a field there is the sum of weight * sample. Entries from
+/// `count` on have no value.
 struct RayNode {
   int count = 0;
-  std::array<std::uint32_t, 8> sample{};
-  std::array<double, 8> weight{};
+  std::array<std::uint32_t, 8> sample;
+  std::array<double, 8> weight;
 
   double value(std::span<const double> samples) const {
     double sum = 0;
@@ -60,7 +61,8 @@ class LatticeWalk {
   const RegularLattice& lattice() const { return lattice_; }
 
  private:
-  RayNode node(const std::array<int, 3>& cell, const std::array<double, 3>& place) const;
+  void set_node(const std::array<int, 3>& cell, const std::array<double, 3>& place,
+                RayNode& node) const;
 
   RegularLattice lattice_;
   Mat3 to_index_;

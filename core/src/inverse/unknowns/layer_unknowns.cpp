@@ -69,7 +69,7 @@ class LayerUnknowns : public Unknowns {
  private:
   /// At a reduced radius, 1 on the outermost ellipsoid.
   RayNode node(double reduced) const {
-    RayNode result;
+    RayNode result{};
     const double at = reduced * grid_.layers;
     const int i = static_cast<int>(std::min(at, 1e9));
     for (int up = 0; up < 2; ++up) {

@@ -196,7 +196,7 @@ VoxelField RingUnknowns::field(std::span<const double> values, const std::string
   map.translation = grid_.base - (half * step) * (u_ + v_);
   return sample_bricks({2 * half + 1, 2 * half + 1, grid_.heights}, map, name,
                        [&](int i, int j, int k) {
-                         RayNode node;
+                         RayNode node{};
                          set_node(node, std::hypot(i - half, j - half), k);
                          return node.value(values);
                        });

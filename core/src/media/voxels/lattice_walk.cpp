@@ -40,39 +40,40 @@ LatticeWalk::LatticeWalk(const RegularLattice& lattice)
   }
 }
 
-RayNode LatticeWalk::node(const std::array<int, 3>& cell,
-                          const std::array<double, 3>& place) const {
-  RayNode result;
+void LatticeWalk::set_node(const std::array<int, 3>& cell, const std::array<double, 3>& place,
+                           RayNode& node) const {
+  const std::array<int, 3>& count = lattice_.count;
   const auto number = [&](int i, int j, int k) {
-    return static_cast<std::uint32_t>((i * lattice_.count[1] + j) * lattice_.count[2] + k);
+    return static_cast<std::uint32_t>((i * count[1] + j) * count[2] + k);
   };
   if (lattice_.interpolation == VoxelInterpolation::constant) {
-    result.count = 1;
-    result.sample[0] = number(cell[0], cell[1], cell[2]);
-    result.weight[0] = 1;
-    return result;
+    node.count = 1;
+    node.sample[0] = number(cell[0], cell[1], cell[2]);
+    node.weight[0] = 1;
+    return;
   }
+  const double x[2]{1 - place[0], place[0]}, y[2]{1 - place[1], place[1]},
+      z[2]{1 - place[2], place[2]};
+  bool inside = true;
+  for (std::size_t a = 0; a < 3; ++a) inside = inside && cell[a] >= 0 && cell[a] + 1 < count[a];
+  std::size_t n = 0;
   for (int corner = 0; corner < 8; ++corner) {
-    std::array<int, 3> at{};
-    double weight = 1;
-    bool inside = true;
-    for (std::size_t a = 0; a < 3; ++a) {
-      const bool up = (corner >> a & 1) != 0;
-      at[a] = cell[a] + (up ? 1 : 0);
-      weight *= up ? place[a] : 1 - place[a];
-      inside = inside && at[a] >= 0 && at[a] < lattice_.count[a];
-    }
-    if (!inside || weight == 0) continue;
-    const auto n = static_cast<std::size_t>(result.count++);
-    result.sample[n] = number(at[0], at[1], at[2]);
-    result.weight[n] = weight;
+    const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
+    const std::array<int, 3> at{cell[0] + i, cell[1] + j, cell[2] + k};
+    if (!inside)
+      if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= count[0] || at[1] >= count[1] ||
+          at[2] >= count[2])
+        continue;
+    node.sample[n] = number(at[0], at[1], at[2]);
+    node.weight[n++] = x[i] * y[j] * z[k];
   }
-  return result;
+  node.count = static_cast<int>(n);
 }
 
 void LatticeWalk::append(const Ray& ray, double t_near, double t_far,
                          std::vector<RayInterval>& out) const {
   constexpr double kNever = std::numeric_limits<double>::infinity();
+  constexpr double kNoMovement = 1e-200;
   const Vec3 o = to_index_ * (ray.origin - lattice_.index_to_world.translation);
   const Vec3 d = to_index_ * ray.direction;
   const double shift = lattice_.interpolation == VoxelInterpolation::constant ? 0.5 : 0;
@@ -81,7 +82,7 @@ void LatticeWalk::append(const Ray& ray, double t_near, double t_far,
   double from = t_near, to = t_far;
   for (std::size_t a = 0; a < 3; ++a) {
     if (!std::isfinite(origin[a]) || !std::isfinite(direction[a])) return;
-    if (direction[a] == 0) {
+    if (std::fabs(direction[a]) < kNoMovement) {
       if (origin[a] < low_[a] || origin[a] > high_[a]) return;
       continue;
     }
@@ -92,34 +93,37 @@ void LatticeWalk::append(const Ray& ray, double t_near, double t_far,
   }
   if (!(to > from)) return;
   std::array<int, 3> cell{};
-  for (std::size_t a = 0; a < 3; ++a)
+  std::array<double, 3> inverse{}, crossing{kNever, kNever, kNever};
+  const auto cross = [&](std::size_t a) {  // where the ray leaves its cell along an axis
+    crossing[a] = (cell[a] + (direction[a] > 0 ? 1 : 0) - origin[a]) * inverse[a];
+  };
+  for (std::size_t a = 0; a < 3; ++a) {
     cell[a] = std::clamp(static_cast<int>(std::floor(origin[a] + from * direction[a])), low_[a],
                          high_[a] - 1);
+    if (std::fabs(direction[a]) < kNoMovement) continue;
+    inverse[a] = 1 / direction[a];
+    cross(a);
+  }
   for (double t = from; t < to;) {
-    std::array<double, 3> crossing{};
-    for (std::size_t a = 0; a < 3; ++a)
-      crossing[a] = direction[a] == 0
-                        ? kNever
-                        : (cell[a] + (direction[a] > 0 ? 1 : 0) - origin[a]) / direction[a];
-    const double face = *std::min_element(crossing.begin(), crossing.end());
-    const double next = std::min(std::max(face, t), to);
+    const double next =
+        std::min(std::max(std::min({crossing[0], crossing[1], crossing[2]}), t), to);
     if (next > t) {
-      RayInterval interval;
+      RayInterval& interval = out.emplace_back();
       interval.length = next - t;
       for (std::size_t n = 0; n < 2; ++n) {
         const double at = t + kGaussNodes[n] * (next - t);
         std::array<double, 3> place{};
         for (std::size_t a = 0; a < 3; ++a)
           place[a] = std::clamp(origin[a] + at * direction[a] - cell[a], 0.0, 1.0);
-        interval.node[n] = node(cell, place);
+        set_node(cell, place, interval.node[n]);
       }
-      out.push_back(interval);
     }
     t = next;
     for (std::size_t a = 0; a < 3; ++a) {
       if (crossing[a] > next) continue;
       cell[a] += direction[a] > 0 ? 1 : -1;
       if (cell[a] < low_[a] || cell[a] >= high_[a]) return;
+      cross(a);
     }
   }
 }
@@ -187,12 +191,15 @@ double node_weights(std::span<const RayInterval> intervals, std::span<const doub
     const double half = 0.5 * interval.length;
     const double tau0 = half * std::max(interval.node[0].value(absorption), 0.0);
     const double tau1 = half * std::max(interval.node[1].value(absorption), 0.0);
-    const IntervalTransfer transfer = interval_transfer(tau0, tau1);
-    weights[i] = model == RowModel::emission
-                     ? std::array{passed * interval.length * transfer.line_near,
-                                  passed * interval.length * transfer.line_far}
-                     : std::array{passed * transfer.near, passed * transfer.far};
-    passed *= transfer.transmittance;
+    const auto thermal = PLENOFLAME_ISA::interval_weights(tau0, tau1);
+    if (model == RowModel::emission) {
+      const auto line = PLENOFLAME_ISA::line_weights(tau0, tau1);
+      const double scale = passed * interval.length;
+      weights[i] = {scale * line.near, scale * line.far};
+    } else {
+      weights[i] = {passed * thermal.near, passed * thermal.far};
+    }
+    passed *= thermal.transmittance;
   }
   return passed;
 }

@@ -101,7 +101,6 @@ void run_plans(const std::vector<PathPlans<Real>>& plans, const NextTile& next,
                const TileDone& tile_done) {
   const auto workers = static_cast<std::size_t>(execution.thread_count());
   std::vector<Tracer<Real>> tracers(workers);
-  std::vector<std::vector<double>> memory(workers);  // of tiles' sums
   const auto start = std::chrono::steady_clock::now();
   std::mutex mutex;
   std::size_t done = 0;
@@ -109,7 +108,6 @@ void run_plans(const std::vector<PathPlans<Real>>& plans, const NextTile& next,
     const auto worker = static_cast<std::size_t>(number);
     const PathPlans<Real>& paths = plans[job.range];
     double new_rays = 0;
-    if (film.allows_finishing()) film.lend(job.tile, std::move(memory[worker]));
     for (const auto& path : paths) {
       PictureTracer<Real>& tracer = tracers[worker].of(*path, film);
       new_rays -= tracer.rays();
@@ -117,7 +115,7 @@ void run_plans(const std::vector<PathPlans<Real>>& plans, const NextTile& next,
       new_rays += tracer.rays();
     }
     film.add_samples(job.tile, paths.front()->points.points);
-    if (film.allows_finishing()) memory[worker] = film.finish(job.tile);
+    if (film.allows_finishing()) film.finish(job.tile);
     const std::lock_guard lock(mutex);
     ++done;
     if (tile_done) tile_done(job, new_rays);
