@@ -189,30 +189,6 @@ def native(folder):
                        "`PARTS=native NATIVE=-march=native tools/make_benchmarks.sh` measures it."]) + "\n"]
 
 
-def compiled(folder):
-    """Compiled cameras beside the plain renderer, and the errors that they state; nothing where it was not measured."""
-    path = folder / "compiled.json"
-    if not path.exists():
-        return []
-    found = json.loads(path.read_text(encoding="ascii"))
-    lines = ["## Compiled cameras", "",
-             f"The pictures are a window of `paper-flame-1m` ({found['window']}) across rims and middle of the flame. Times are processor times of all threads, reading and\n"
-             "writing included. The reference has 8192 samples.\n"
-             "`tools/compiled_benchmark.py` measures the table.", "",
-             "| camera | rays per pixel | s to compile | s per picture | stated error | true error |", "|---|---:|---:|---:|---:|---:|"]
-    for row in found["rows"]:
-        lines.append(f"| {row['what']} | {row['rays']:.3g} | {cell(row['compile']) if row['compile'] else ''} | {cell(row['seconds'])} | "
-                     f"{cell(row['stated'], '{:.3g} %', 100)} | {cell(row['true'], '{:.3g} %', 100)} |")
-    for flames in found["sets"]:
-        rows = flames["flames"]
-        ratios = sorted(row["ratio"] for row in rows)
-        weights = [row["bias_error"] ** -2 for row in rows]
-        bias = sum(w * row["bias"] for w, row in zip(weights, rows)) / sum(weights)
-        lines += ["", f"One camera compiled with `--error {flames['error']}` renders {len(rows)} flames of other places, temperatures and soot. The ratio of stated to true\n"
-                  f"error has the median {ratios[len(ratios) // 2]:.2f} and lies between {ratios[0]:.2f} and {ratios[-1]:.2f}. The bias is {100 * bias:.3f} +- {100 * sum(weights) ** -0.5:.3f} %."]
-    return ["\n".join(lines) + "\n"]
-
-
 def memory(folder):
     """Table of the largest resident memory of renders, from memory-NAME, N samples.json."""
     rows = []
@@ -240,8 +216,7 @@ def main():
     parts = sys.argv[2].split()
     old = by_title(["## " + text.rstrip("\n") + "\n" for text in PAGE.read_text(encoding="ascii").split("\n## ")[1:]])
     sections = [section(pathlib.Path(argument)) for argument in sys.argv[3:]]
-    for part, make in {"whole": whole_images, "skipping": skipping, "colour": colours, "native": native, "memory": memory,
-                       "compiled": compiled}.items():
+    for part, make in {"whole": whole_images, "skipping": skipping, "colour": colours, "native": native, "memory": memory}.items():
         if part in parts:
             sections += make(folder)
     new = by_title(sections)

@@ -52,8 +52,6 @@ ALIKE = (
     ("Only W x H pixels of the sensor from column X, row Y",
      ("Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H", "Only W x H pixels from column X, row Y",
       "Only W x H pixels of the sensor from column X, row Y: X,Y,W,H", "Measure only W x H pixels from column X, row Y: X,Y,W,H")),
-    ("Use the rays that `plenoflame compile` found for the camera, in their number and with their seed",
-     ("Use the rays that `plenoflame compile` found for the camera",)),
     ("Channel; without it, the first",
      ("Channel to develop; without it, the first", "Channel; without it, the first")),
     ("All rays of this pixel: column and row, from the top left; repeatable",
@@ -87,14 +85,14 @@ PLAIN = {"SCENE": "Scene file (.toml)", "RAW": "Light field (.exr) written by re
 # Shared options: the headings under which they stand, in this order. All others are explained in each command.
 GROUPS = {
     "Common options": ("--set KEY=VALUE", "--camera NAME", "--which NAME", "--frame N", "--time TIME", "--window X,Y,W,H",
-                       "--part K/N", "--compiled FILE.bundle", "--seed N", "--threads N", "--quiet", "--json"),
+                       "--part K/N", "--seed N", "--threads N", "--quiet", "--json"),
     "Choice of rays": ("--pixel X,Y", "--microlens Q,R", "--point X,Y,Z", "--random N", "--chief"),
     "Raw files of a camera": ("--size WxH", "--bits N", "--endian ORDER", "--skip N", "--shift N", "--turn DEGREES", "--mirror",
                               "--dark FILE ...", "--flat FILE ...", "--flat-dark FILE ...", "--white-dark FILE ...",
                               "--camera CAMERA.toml"),
     "Views and channels": ("--channel NAME", "--scene SCENE.toml", "--spread S", "--resampling NAME", "--force", "--exr"),
     "Unknowns and rows": ("--unknowns KIND", "--grid N[,N,N]", "--center X,Y,Z", "--size X,Y,Z", "--axis X,Y,Z", "--basis KIND",
-                          "--absorption WHICH", "--rays N", "--bin N|micro-image|view", "--cells N", "--compiled FILE.bundle ..."),
+                          "--absorption WHICH", "--rays N", "--bin N|micro-image|view", "--cells N"),
 }
 
 

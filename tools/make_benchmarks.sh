@@ -3,7 +3,7 @@
 #
 #   tools/make_benchmarks.sh [COMMAND]     COMMAND: the plenoflame to measure; without, it is built
 #
-# PARTS="lenslets-30 paper-flame-1m whole skipping colour memory compiled" says what to measure, all of it unless set; PARTS=native
+# PARTS="lenslets-30 paper-flame-1m whole skipping colour memory" says what to measure, all of it unless set; PARTS=native
 # builds once more with the compiler's options in NATIVE, which nothing that is shipped has, and compares. The other sections of the page stay as they are. Wants a machine that does nothing else (but for memory). Results are kept in out/benchmarks; to compare with them
 # later: plenoflame bench ... --compare out/benchmarks/NAME.json
 set -euo pipefail
@@ -16,7 +16,7 @@ if [ -z "$command" ]; then
   command=build/release/app/cli/plenoflame
 fi
 
-parts=" ${PARTS:-lenslets-30 paper-flame-1m whole skipping colour memory compiled} "
+parts=" ${PARTS:-lenslets-30 paper-flame-1m whole skipping colour memory} "
 wanted() { [[ "$parts" == *" $1 "* ]]; }
 
 results=()
@@ -175,9 +175,6 @@ END
   memory "paper-flame-1m, 3000 x 3000 pixels" examples/paper-flame-1m.toml 16
   memory "preset raytrix-r29 with that flame, 6576 x 4384 pixels" out/benchmarks/raytrix-r29.toml 2
   memory "preset raytrix-r29 with that flame, 6576 x 4384 pixels" out/benchmarks/raytrix-r29.toml 16
-fi
-if wanted compiled; then
-  tools/compiled_benchmark.py "$command" out/benchmarks/compiled.json
 fi
 # A build for this processor alone against the one that chooses among instruction sets as it starts, in turn.
 native() { # NAME SCENE OPTION ...

@@ -101,25 +101,24 @@ def reconstructions(runs):
 def runs_of_sets(runs):
     """What one run of a set takes of the processors, without the start of the command: the difference of sets of 61 runs and of 1."""
     scene = EXAMPLES / "lenslets-30.toml"
-    runs.run(1, "compile", scene, "--error", "2.2%", "--quiet", "-o", "c.bundle")
     number = 0
 
-    def seconds(count, *options):
+    def seconds(count, form):
         nonlocal number
         number += 1
         path = pathlib.Path(runs.folder, f"runs{number}.csv")
         path.write_text("flames[0].brightness\n" + "".join(f"{1 + k / count}\n" for k in range(count)), encoding="utf-8")
-        return runs.run(1, "sweep", scene, "--table", path, "--lattice", 32, "--threads", 1, "--quiet", "-o", f"of{number}", *options)[2]
+        return runs.run(1, "sweep", scene, "--table", path, "--lattice", 32, "--threads", 1, "--quiet", "-o", f"of{number}", "--samples", 64,
+                        "--format", form)[2]
 
-    for what, options in (("rendered", ("--samples", 64)), ("by a compiled camera", ("--compiled", "c.bundle"))):
-        for form in ("exr", "hdf5"):
-            values = [(seconds(61, *options, "--format", form) - seconds(1, *options, "--format", form)) / 60 for _ in range(runs.pairs)]
-            print(f"sets, {what}, {form}: {statistics.median(values):.3f} s a run ({min(values):.3f} to {max(values):.3f})", flush=True)
-            folder = pathlib.Path(runs.folder, f"of{number - 1}")
-            with open(folder / "index.csv", newline="", encoding="utf-8") as file:
-                errors = [float(row["relative_error"]) for row in csv.DictReader(file)]
-            size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 61
-            print(f"  error {100 * statistics.mean(errors):.2f} %, {size / 1e6:.2f} MB a run", flush=True)
+    for form in ("exr", "hdf5"):
+        values = [(seconds(61, form) - seconds(1, form)) / 60 for _ in range(runs.pairs)]
+        print(f"sets, {form}: {statistics.median(values):.3f} s a run ({min(values):.3f} to {max(values):.3f})", flush=True)
+        folder = pathlib.Path(runs.folder, f"of{number - 1}")
+        with open(folder / "index.csv", newline="", encoding="utf-8") as file:
+            errors = [float(row["relative_error"]) for row in csv.DictReader(file)]
+        size = sum(path.stat().st_size for path in folder.rglob("*") if path.is_file()) / 61
+        print(f"  error {100 * statistics.mean(errors):.2f} %, {size / 1e6:.2f} MB a run", flush=True)
     start = [runs.run(2, "--version")[2] for _ in range(runs.pairs)]
     own = [runs.run(1, "render", scene, "--window", "150,150,8,8", "--samples", 2, "--quiet", "-o", "x.exr")[2] for _ in range(runs.pairs)]
     print(f"mpirun -n 2 and the end of MPI: {statistics.median(start):.2f} s; a rank's own scene: {statistics.median(own):.2f} s", flush=True)

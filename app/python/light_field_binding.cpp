@@ -6,7 +6,6 @@
 #include <string>
 
 #include "arrays.h"
-#include "compiled_handle.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/ground_truth.h"
@@ -29,7 +28,6 @@ class LightFieldSource : public Runnable {
     const auto compiled = scene->compile(execution);
     RenderSettings settings = render_settings(compiled->scene, request);
     if (window.width != 0) settings.window = window;  // render() checks it
-    settings.compiled = camera;
     RenderResult result = render(*compiled, settings, execution);
     describe(*compiled, result.light_field);
     if (truth)  // also for a run that was stopped: it is kept
@@ -41,7 +39,6 @@ class LightFieldSource : public Runnable {
   std::shared_ptr<SceneHandle> scene;
   RenderRequest request;
   PixelWindow window;
-  std::shared_ptr<const CompiledCamera> camera;  ///< nullptr: rays are traced
   bool truth = false;
   double relative_error = -1;
   Field output;
@@ -159,11 +156,6 @@ void bind_source(py::module_& module) {
       .def("SetTimeLimit",
            [](Source& s, double limit) {
              s.request.time_limit = limit > 0 ? std::optional(limit) : std::nullopt;
-           })
-      .def("SetCompiledCamera",
-           [](Source& s, const CompiledCameraRun& run) {
-             if (!run.rays) throw UsageError("the compiled camera has no rays yet");
-             s.camera = run.rays;
            })
       .def("SetTruth", [](Source& s, bool truth) { s.truth = truth; })
       .def("SetWindow",

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "compiled_handle.h"
 #include "plenoflame/base/error.h"
 #include "runnable.h"
 #include "watched_run.h"
@@ -61,7 +60,6 @@ PYBIND11_MODULE(_core, module) {
       .def("Run", &run_watched);
   bind_scene(module);
   bind_camera(module);
-  bind_compiled_camera(module);  // before what takes it
   bind_light_field(module);
   bind_light_field_filters(module);
   bind_rays(module);

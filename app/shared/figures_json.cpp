@@ -9,7 +9,6 @@
 #include "plenoflame/camera/design.h"
 #include "plenoflame/camera/resolution.h"
 #include "plenoflame/film/compare.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/scene_schema.h"
 #include "report.h"
 
@@ -69,24 +68,6 @@ std::string comparison_json(const LightField& field, const LightField& reference
     figures["relative_bias_error"] = c.relative_bias_error;
     figures["expected_rmse"] = c.expected_rmse;
   }
-  return figures.dump();
-}
-
-std::string compiled_camera_json(const CompiledCamera& camera) {
-  const PixelWindow& w = camera.window;
-  const Box& region = camera.region;
-  const nlohmann::ordered_json figures{{"window", {w.x, w.y, w.width, w.height}},
-                                       {"sensor", {camera.sensor_width, camera.sensor_height}},
-                                       {"region_m",
-                                        {{region.lower.x, region.lower.y, region.lower.z},
-                                         {region.upper.x, region.upper.y, region.upper.z}}},
-                                       {"pixels", camera.lit_pixels()},
-                                       {"rays", camera.nodes},
-                                       {"error", camera.error},
-                                       {"samples", camera.samples},
-                                       {"level", camera.level},
-                                       {"seed", camera.seed},
-                                       {"version", camera.version}};
   return figures.dump();
 }
 

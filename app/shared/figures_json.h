@@ -2,7 +2,6 @@
 #include <string>
 
 namespace plenoflame {
-struct CompiledCamera;
 struct LightField;
 struct Scene;
 
@@ -16,8 +15,5 @@ std::string value_json(const Scene& scene, const std::string& path);
 /// The figures that `plenoflame compare --json` prints of two light fields. @throws InputError
 std::string comparison_json(const LightField& field, const LightField& reference,
                             const std::string& channel);
-
-/// Window, sensor, region, rays and settings of a compiled camera.
-std::string compiled_camera_json(const CompiledCamera& camera);
 
 }  // namespace plenoflame

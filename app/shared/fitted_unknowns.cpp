@@ -28,11 +28,6 @@ bool holds(const Box& box, const Box& other) {
 
 }  // namespace
 
-bool any_compiled(const ReconstructCameras& cameras) {
-  return std::ranges::any_of(
-      cameras.cameras, [](const ReconstructCamera& camera) { return camera.compiled != nullptr; });
-}
-
 std::vector<CameraView> windowed(std::vector<CameraView> views,
                                  const std::vector<Measurement>& measurements) {
   for (std::size_t v = 0; v < views.size(); ++v) views[v].window = measurements[v].window;
@@ -42,7 +37,7 @@ std::vector<CameraView> windowed(std::vector<CameraView> views,
 std::optional<Box> fitted_block(const UnknownsRequest& request, const ReconstructCameras& cameras,
                                 const std::vector<Measurement>& measurements,
                                 const Execution& execution) {
-  if (!request.fits_block() || any_compiled(cameras)) return {};
+  if (!request.fits_block()) return {};
   const std::vector<CameraView> views = windowed(cameras.views(), measurements);
   for (const CameraView& view : views)
     if (shines_without_flames(*view.scene)) return {};

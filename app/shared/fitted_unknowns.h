@@ -8,8 +8,6 @@
 /// Block and axis of the unknowns by the pictures, before they are solved for.
 namespace plenoflame {
 
-bool any_compiled(const ReconstructCameras& cameras);
-
 /// Views of the pixels that were measured.
 std::vector<CameraView> windowed(std::vector<CameraView> views,
                                  const std::vector<Measurement>& measurements);

@@ -81,8 +81,7 @@ void check_operator(const OperatorRequest& request) {
 
 std::unique_ptr<OperatorProblem> make_operator_problem(
     const OperatorRequest& request, const std::vector<const CompiledScene*>& scenes,
-    const std::string& what, const Execution& execution, const NamedBundles& compiled,
-    const Part& part) {
+    const std::string& what, const Execution& execution, const Part& part) {
   check_operator(request);
   const CompiledScene& scene = *scenes.front();
   CameraRaySettings how;
@@ -112,12 +111,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   problem.absorption = absorption_of(request.unknowns, scene, channel, *result->unknowns);
   problem.model = problem.absorption.empty() ? RowModel::emission : RowModel::source;
   std::vector<CameraView> views;
-  for (std::size_t v = 0; v < scenes.size(); ++v) {
-    views.push_back({scenes[v], {}});
-    if (compiled.empty()) continue;
-    views[v].compiled_name = compiled[v].first;
-    views[v].compiled = compiled[v].second.get();
-  }
+  for (const CompiledScene* one : scenes) views.push_back({one, {}});
   if (how.cells > 0 && !part.is_whole())
     throw UsageError(
         "--part cannot be used with micro-images, which lie across parts; use pixels or blocks "
@@ -136,8 +130,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
 }
 
 std::string operator_work(const OperatorRequest& request,
-                          const std::vector<const CompiledScene*>& scenes,
-                          const NamedBundles& compiled) {
+                          const std::vector<const CompiledScene*>& scenes) {
   const UnknownsRequest& unknowns = request.unknowns;
   std::string text;
   for (const std::string* word :
@@ -146,8 +139,6 @@ std::string operator_work(const OperatorRequest& request,
         &request.cells, &request.seed})
     text += *word + '\n';
   for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
-  for (const auto& [name, camera] : compiled)
-    text += fmt::format("{}{} {} {}\n", camera->key, camera->samples, camera->level, camera->seed);
   return text;
 }
 

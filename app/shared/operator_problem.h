@@ -1,7 +1,6 @@
 #pragma once
 #include <memory>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "plenoflame/base/part.h"
@@ -24,9 +23,6 @@ void set_option(OperatorRequest& request, const std::string& name, const std::st
 /// Before any work. @throws UsageError in the words of the command line
 void check_operator(const OperatorRequest& request);
 
-/// Compiled cameras with the names of their files.
-using NamedBundles = std::vector<std::pair<std::string, std::shared_ptr<const CompiledCamera>>>;
-
 /// The linear problem of some cameras with the rays that make it. Not copied: `problem` points to
 /// its own rays and unknowns.
 struct OperatorProblem {
@@ -41,16 +37,13 @@ struct OperatorProblem {
 
 /// Follows the rays. @param scenes compiled, one for each camera @param what names the first in
 /// messages @throws UsageError, InputError, Cancelled
-/// @param compiled in place of drawn rays, one for each camera with its name; empty: none
 /// @param part of the rows, in their order; may have none
 std::unique_ptr<OperatorProblem> make_operator_problem(
     const OperatorRequest& request, const std::vector<const CompiledScene*>& scenes,
-    const std::string& what, const Execution& execution, const NamedBundles& compiled = {},
-    const Part& part = {});
+    const std::string& what, const Execution& execution, const Part& part = {});
 
 /// All that rows depend on, in words.
 std::string operator_work(const OperatorRequest& request,
-                          const std::vector<const CompiledScene*>& scenes,
-                          const NamedBundles& compiled);
+                          const std::vector<const CompiledScene*>& scenes);
 
 }  // namespace plenoflame

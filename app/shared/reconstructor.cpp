@@ -187,18 +187,11 @@ void check_order(const ReconstructCameras& cameras, const std::vector<LightField
 
 /// @throws UsageError where cameras cannot be refined
 void check_refined(const ReconstructRequest& request, const ReconstructCameras& cameras) {
-  const std::vector<SuspectKind> kinds = request.refined();
-  if (kinds.empty()) return;
-  const bool moves =
-      std::ranges::any_of(kinds, [](SuspectKind kind) { return kind != SuspectKind::exposure; });
-  for (const ReconstructCamera& camera : cameras.cameras) {
-    if (camera.compiled && moves)
-      throw UsageError(
-          "--refine: rays of compiled cameras stay where they are: only exposure can be refined");
+  if (request.refined().empty()) return;
+  for (const ReconstructCamera& camera : cameras.cameras)
     if (!camera.scene->camera.pupil_filters().empty())
       throw UsageError("--refine: " + camera.what +
                        " has filters in its pupil, whose colours would pass for displacements");
-  }
 }
 
 FrameMeasurements corrected_exposures(FrameMeasurements measurements,
@@ -245,8 +238,7 @@ EarlierResult read_earlier_result(const std::string& path, const Unknowns& unkno
 
 std::vector<CameraView> ReconstructCameras::views() const {
   std::vector<CameraView> result;
-  for (const ReconstructCamera& camera : cameras)
-    result.push_back({camera.scene.get(), {}, camera.compiled.get(), camera.compiled_name});
+  for (const ReconstructCamera& camera : cameras) result.push_back({camera.scene.get(), {}});
   return result;
 }
 
@@ -405,9 +397,8 @@ ReconstructResult Reconstructor::frame(
     result.settled = refinement_->settled;
   }
   settings_.strength = result.figures.strength;
-  if (!any_compiled(cameras_))
-    result.uncut_block = uncut_block(result.figures, windowed(views(), corrected[0]), corrected[0],
-                                     unknowns_->bounds(), settings_.rays.channel, rest);
+  result.uncut_block = uncut_block(result.figures, windowed(views(), corrected[0]), corrected[0],
+                                   unknowns_->bounds(), settings_.rays.channel, rest);
   for (const Measurement& measurement : measurements[0])
     result.scale_error = std::max(result.scale_error, measurement.scale_error);
   return result;

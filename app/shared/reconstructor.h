@@ -19,8 +19,6 @@ namespace plenoflame {
 struct ReconstructCamera {
   std::shared_ptr<const CompiledScene> scene;
   std::string what;  ///< of the scene, and of its camera where that has a name: for messages
-  std::shared_ptr<const CompiledCamera> compiled = nullptr;  ///< with its rays; null: drawn ones
-  std::string compiled_name = {};
 };
 
 /// The cameras of a reconstruction, compiled once for all frames.

@@ -50,24 +50,6 @@ class Ranks(CommandTest):
             self.assertEqual(self.read("all.exr"), self.read("one.exr"), ranks)
             self.assertEqual(json.loads(self.read("all.json"))["ranks"], ranks)
 
-    @long
-    def test_pictures_by_a_compiled_camera(self):
-        self.succeeds("compile", "a.toml", *WINDOW, "--level", "1", "--samples", "16", "--margin", "3mm", "-o", "a.bundle", "--quiet")
-        options = ("--compiled", "a.bundle", "--set", "flames[0].brightness=0.5", "--quiet")
-        self.succeeds("render", "a.toml", *options, "-o", "one.exr", "--stats", "one.json")
-        for ranks in (2, 3):
-            self.renders(ranks, *options, "-o", "all.exr", "--stats", "all.json")
-            self.assertEqual(self.read("all.exr"), self.read("one.exr"), ranks)
-            one, shared = json.loads(self.read("one.json")), json.loads(self.read("all.json"))
-            self.assertEqual((shared["ranks"], shared["rays"]), (ranks, one["rays"]))
-        damaged = bytearray(self.read("a.bundle"))
-        damaged[-100] ^= 1
-        self.write("b.bundle", bytes(damaged))
-        result = self.shared(3, "render", "a.toml", "--compiled", "b.bundle", "-o", "x.exr", "--quiet")
-        lines = [line for line in result.stderr.splitlines() if line.startswith("plenoflame: ")]
-        self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
-        self.assertIn("damaged; compile the camera again", lines[0])
-
     def test_rounds_and_going_on(self):
         options = ("--target-error", "2%", "--quiet")
         self.succeeds("render", "a.toml", *WINDOW, *options, "-o", "one.exr", "--stats", "one.json")

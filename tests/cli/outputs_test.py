@@ -7,11 +7,10 @@ from command import CommandTest, main
 
 # Each command has its inputs, each as an argument with FILE in it, its outputs, and what else must be given.
 COMMANDS = {
-    "render": (["FILE", "--compiled=FILE"], ["-o", "--stats"], []),
+    "render": (["FILE"], ["-o", "--stats"], []),
     "merge": (["FILE"], ["-o"], []),
     "submit": (["FILE"], ["-o"], ["--slurm"]),
-    "sweep": (["FILE", "--table=FILE", "--random=FILE", "--compiled=FILE"], ["-o"], []),
-    "compile": (["FILE"], ["-o"], []),
+    "sweep": (["FILE", "--table=FILE", "--random=FILE"], ["-o"], []),
     "rays": (["FILE", "--pixels=FILE"], ["-o"], ["--chief"]),
     "corners": (["FILE"], ["-o"], []),
     "bench": (["FILE"], ["-o"], []),
@@ -19,12 +18,12 @@ COMMANDS = {
     "optimize": (["FILE"], ["-o"], []),
     "develop": (["FILE"], ["-o"], []),
     "pyrometry": (["FILE", "--reference=FILE"], ["-o", "--picture", "--truth-picture"], []),
-    "operator": (["FILE", "--compiled=FILE"], ["-o", "--pixels", "--places"], []),
+    "operator": (["FILE"], ["-o", "--pixels", "--places"], []),
     "truth": (["FILE", "--points=FILE"], ["-o", "--attach", "--projections", "--chief-rays"], []),
     "views": (["FILE", "--scene=FILE"], ["-o"], []),
     "refocus": (["FILE", "--scene=FILE"], ["-o"], []),
     "export": (["FILE", "--scene=FILE"], ["-o"], ["--format", "libpleno"]),
-    "reconstruct": (["FILE", "--images=FILE", "--support=FILE", "--prior=FILE", "--start=FILE", "--compiled=FILE"],
+    "reconstruct": (["FILE", "--images=FILE", "--support=FILE", "--prior=FILE", "--start=FILE"],
                     ["-o", "--residual", "--report", "--refined"], []),
     "flame": (["--layers=FILE"], ["-o"], ["layered"]),
     "flame import": (["FILE", "--solution=FILE"], ["-o"], []),
@@ -138,7 +137,7 @@ class Outputs(CommandTest):
     def test_endings_tell_what_is_written(self):
         present = {name for name, _, _ in self.present()}
         self.write("s.toml", '[camera]\npreset = "paper-plenoptic2"\n')
-        for line, ending in (("render s.toml -o a.png", ".exr"), ("import x.tif -o a.png", ".exr"), ("compile s.toml -o a.exr", ".bundle"),
+        for line, ending in (("render s.toml -o a.png", ".exr"), ("import x.tif -o a.png", ".exr"),
                              ("operator s.toml -o a.exr", ".npz"), ("rays s.toml --pixel 5,5 -o a.exr", ".vtp"),
                              ("corners s.toml -o a.exr", ".csv"), ("merge r.exr q.exr -o a.png", ".exr"), ("develop r.exr -o a.csv", ".png"),
                              ("pyrometry r.exr -o a.csv", ".exr"), ("pyrometry r.exr --picture a.exr", ".png"),

@@ -126,11 +126,6 @@ class ProgressOnATerminal(CommandTest):
             percents = [s.percent for s in shown if s.label == label]
             self.assertEqual(percents, sorted(percents), label)
 
-    def test_of_a_compiled_camera(self):
-        shown = self.watch("compile", "a.toml", "-o", "a.bundle", "--window", "1344,1344,320,320", "--error", "2%", "--threads", "1")
-        self.assertGreater(len({s.percent for s in shown if 0 < s.percent < 100}), 3, shown)
-        self.assertTrue(all(s.error is None for s in shown))
-
     def test_of_the_forward_estimator(self):
         self.assert_honest(self.watch("render", "a.toml", "-o", "a.exr", "--estimator", "forward", "--samples",
                                       "5000000", "--threads", "1"))

@@ -282,41 +282,15 @@ class Reconstruct(CommandTest):
         self.assertEqual((result.returncode, result.stderr), (0, ""))
         self.succeeds("operator", "my front.toml", *options.split(), "-o", "whole.npz", "--quiet")
         self.assertEqual(self.read("a b.npz"), self.read("whole.npz"))
-        def refused(*arguments, mentions, status=2):
-            self.fails(status, "submit", "--slurm", *arguments, "-o", "x.sh", mentions=mentions)
+        def refused(*arguments, mentions):
+            self.fails(2, "submit", "--slurm", *arguments, "-o", "x.sh", mentions=mentions)
         refused("my front.toml", "--operator", "a.mtx", "--parts", "2", mentions=".npz or .h5")
         refused("my front.toml", "my front.toml", "--operator", "a.npz", mentions="one scene")
         refused("my front.toml", "--operator", "a.npz", "--sweep", "set", mentions="--sweep")
         refused("my front.toml", "--operator", "a.npz", "--options", "--part 1/2", mentions="--part")
         refused("my front.toml", "--operator", "a.npz", "--options", "--grid x", mentions="--grid")
         refused("my front.toml", "--operator", "a.npz", "--options", "--camera b", mentions="b")
-        refused("my front.toml", "--operator", "a.npz", "--options", "--compiled no.bundle", mentions="no.bundle", status=1)
         self.assertNotIn("x.sh", self.files())
-
-    @long
-    def test_compiled_cameras(self):
-        """Rows are the rays of the bundle: the picture that it renders, explained by noise; and what does not belong."""
-        self.succeeds("compile", "front.toml", "--margin", "2 mm", "--error", "0.5%", "-o", "front.bundle", "--quiet")
-        common = ("front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "12,24", "--absorption", "scene")
-        compiled, _ = self.reconstruct(*common, "--compiled", "front.bundle", "--truth", "--draws", "0", "--probes", "0", "-o", "a.vdb")
-        drawn, _ = self.reconstruct(*common, "--rays", "512", "--truth", "--draws", "0", "--probes", "0", "-o", "b.vdb")
-        self.assertLess(abs(compiled["rows"] / drawn["rows"] - 1), 0.15)  # more rays find more of the dim ones
-        self.assertLess(abs(compiled["truth_emission_error"] - drawn["truth_emission_error"]), 0.02)
-        made = self.json_of("operator", "front.toml", "--unknowns", "rings", "--grid", "12,24", "--compiled", "front.bundle",
-                            "--quiet", "-o", "A.npz")
-        self.assertEqual(made["rays"], compiled["rays"])
-        refused = ("front.toml", "--images", "front-electrons.exr", "-o", "x.vdb", "--quiet")
-        self.fails(2, "reconstruct", *refused, "--compiled", "front.bundle", "front.bundle", mentions="2 files for 1 cameras")
-        self.fails(2, "reconstruct", *refused, "--compiled", "front.bundle", "--rays", "8", mentions="--rays")
-        self.fails(1, "reconstruct", *refused, "--compiled", "candle.vdb", mentions="candle.vdb")
-        outside = self.run_command("reconstruct", *refused, "--compiled", "front.bundle", "--size", "9 cm, 9 cm, 9 cm")
-        self.assertEqual(outside.returncode, 1)
-        self.assertRegex(outside.stderr.splitlines()[-1], r"the grid of the unknowns reaches .* --margin")  # after a warning
-        other = self.run_command("reconstruct", "side.toml", "--images", "side-electrons.exr", "-o", "x.vdb", "--quiet", "--compiled",
-                                 "front.bundle")
-        self.assertEqual(other.returncode, 1)
-        self.assertRegex(other.stderr.splitlines()[-1], r"error: .*front.bundle: belongs to another camera \(camera\.")
-        self.assertNotIn("x.vdb", self.files())
 
     def test_options_that_mean_nothing_to_each_other(self):
         """One line, before scenes and pictures are read: those here do not exist."""

@@ -22,7 +22,6 @@ std::unique_ptr<QObject> make_reconstruct_test();
 std::unique_ptr<QObject> make_lecture_test();
 std::unique_ptr<QObject> make_drawing_test();
 std::unique_ptr<QObject> make_surroundings_test();
-std::unique_ptr<QObject> make_compiled_test();
 std::unique_ptr<QObject> make_measured_test();
 
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.

@@ -207,10 +207,6 @@ class MeasuredTest : public test::SceneFixture {
          [this] {
            QVERIFY(click_menu({"File", "Measured picture..."}));
          }},
-        {"compiled",
-         [this] {
-           QVERIFY(click_menu({"Render", "Use compiled camera..."}));
-         }},
         {"compare",
          [this] {
            QVERIFY(click_menu({"View", "Compare with a scene..."}));

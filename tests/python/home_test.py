@@ -270,7 +270,6 @@ class Home(PackageTest):
     def test_progress_is_text_or_tqdms_bar(self):
         runs = {"render": lambda: self.small.render(samples=2, progress=True),
                 "operator": lambda: self.small.operator(progress=True, **RINGS),
-                "compile": lambda: self.small.compile(level=1, samples=16, progress=True),
                 "flame": lambda: plenoflame.make_flame("candle", voxel_size="2 mm", progress=True)}
         for what, run in runs.items():
             self.assertRegex(self.progress_of(run), rf"{what}: 100 %\|")
@@ -313,10 +312,7 @@ class Home(PackageTest):
                      for one in (self.rings, again)]
         numpy.testing.assert_array_equal(*start)
 
-    def test_a_pickled_camera_and_operator_give_the_same(self):
-        camera = self.small.compile(level=1, samples=16)
-        again = pickle.loads(pickle.dumps(camera))
-        numpy.testing.assert_array_equal(self.small.render(compiled=again).flux, self.small.render(compiled=camera).flux)
+    def test_a_pickled_operator_gives_the_same(self):
         x = numpy.arange(30.0)
         numpy.testing.assert_array_equal(pickle.loads(pickle.dumps(self.operator)) @ x, self.operator @ x)
 
@@ -364,10 +360,8 @@ class Home(PackageTest):
                 action()
 
     def test_messages_name_no_option_of_the_command(self):
-        bare = self.small.copy()
-        bare.remove("flames", 0)
-        with self.assertRaisesRegex(plenoflame.Error, r"\(region\)") as caught:
-            bare.compile()
+        with self.assertRaisesRegex(plenoflame.Error, r"\(grid\)") as caught:
+            self.field.export(self.folder / "hci", "hci", grid=1)
         self.assertNotIn("--", str(caught.exception))
         with warnings.catch_warnings(record=True) as cautions:
             warnings.simplefilter("always")

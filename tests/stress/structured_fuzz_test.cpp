@@ -9,8 +9,6 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <nlohmann/json.hpp>
-#include <optional>
 #include <regex>
 
 #include "plenoflame/camera/camera_import.h"
@@ -18,15 +16,12 @@
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/image/raw_picture.h"
 #include "plenoflame/image/tiff_file.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "support/damaged_files.h"
-#include "support/small_scene.h"
 
 namespace plenoflame::test::structured_fuzz_test {
 namespace {
 
 using Random = std::mt19937_64;
-using Json = nlohmann::json;
 
 /// Numbers at the ends of what types hold, and some in between.
 std::uint64_t awkward_number(Random& random) {
@@ -92,133 +87,6 @@ std::uint64_t fnv_of(std::string_view bytes) {
   std::uint64_t sum = 0xcbf29ce484222325U;
   for (const char byte : bytes) sum = (sum ^ static_cast<unsigned char>(byte)) * 0x100000001b3U;
   return sum;
-}
-
-// --- compiled cameras ---
-
-/// A value of a JSON text becomes another one, often of another kind.
-void spoil(Json& json, Random& random) {
-  Json flat = json.flatten();
-  auto field = flat.begin();
-  std::advance(field, static_cast<std::ptrdiff_t>(below(flat.size(), random)));
-  switch (below(6, random)) {
-    case 0:
-      *field = awkward_number(random);
-      break;
-    case 1:
-      *field = static_cast<std::int64_t>(awkward_number(random));
-      break;
-    case 2:
-      *field = awkward_double(random);  // NaN becomes null
-      break;
-    case 3:
-      *field = std::string(below(40, random), 'x');
-      break;
-    case 4:
-      *field = nullptr;
-      break;
-    default:
-      flat.erase(field);
-  }
-  try {
-    json = flat.unflatten();
-  } catch (const Json::exception&) {  // a list that lost an entry
-  }
-}
-
-/// A bundle: 64 bytes with sizes and sums, a header in JSON, then tiles, groups and nodes.
-struct Bundle {
-  static constexpr std::size_t kPreamble = 64, kSize = 20, kSum = 28, kTile = 40, kGroup = 40,
-                               kNode = 12;
-  static constexpr std::size_t kTileSum = 32;  ///< within a tile
-
-  explicit Bundle(const std::string& bytes) {
-    preamble = bytes.substr(0, kPreamble);
-    const std::size_t size = get(bytes, kSize, 8);
-    header = Json::parse(bytes.substr(kPreamble, size));
-    body = bytes.substr(kPreamble + size);
-  }
-  std::size_t tiles() const { return header.at("tiles").get<std::size_t>(); }
-  std::size_t groups_at() const { return kTile * tiles(); }
-  std::size_t nodes_at() const {
-    return groups_at() + kGroup * header.at("groups").get<std::size_t>();
-  }
-
-  /// The sums of each tile, as far as it lies within the file.
-  void repair_tiles(std::size_t count, std::size_t groups, std::size_t nodes) {
-    for (std::size_t t = 0; t < count; ++t) {
-      const std::size_t at = kTile * t;
-      const std::uint64_t group = get(body, at, 8), group_count = get(body, at + 8, 8),
-                          node = get(body, at + 16, 8), node_count = get(body, at + 24, 8);
-      const std::size_t limit = body.size();
-      if (group > limit || group_count > limit || node > limit || node_count > limit) continue;
-      const std::size_t first = groups + kGroup * group, second = nodes + kNode * node;
-      if (first > limit || second > limit) continue;
-      put(body, at + kTileSum,
-          crc_of(body.substr(first, kGroup * group_count) +
-                 body.substr(second, kNode * node_count)),
-          4);
-    }
-  }
-  std::string bytes() const {
-    std::string text = header.dump();
-    text.resize((text.size() + 63) / 64 * 64, ' ');
-    std::string start = preamble;
-    put(start, kSize, text.size(), 8);
-    put(start, kSum, crc_of(text), 8);
-    return start + text + body;
-  }
-
-  std::string preamble, body;
-  Json header;
-};
-
-std::string damaged_bundle(const std::string& whole, Random& random) {
-  Bundle bundle(whole);
-  const std::size_t tiles = bundle.tiles(), groups = bundle.groups_at(), nodes = bundle.nodes_at();
-  const std::size_t kind = below(8, random);
-  for (std::size_t n = 1 + below(2, random); n > 0; --n) {
-    // The tiles' table is small, and most of it refused: contents get most of the damage.
-    if (kind == 1 && groups > 0) put_awkward(bundle.body, below(groups, random), random);
-    if (kind >= 2 && kind < 6 && nodes > groups)
-      put_awkward(bundle.body, groups + 4 * below((nodes - groups) / 4, random), random);
-    if (kind >= 6 && bundle.body.size() > nodes)
-      put_awkward(bundle.body, nodes + 4 * below((bundle.body.size() - nodes) / 4, random), random);
-  }
-  bundle.repair_tiles(tiles, groups, nodes);
-  bundle.header["tiles_checksum"] = crc_of(bundle.body.substr(0, groups));
-  if (kind == 0) spoil(bundle.header, random);
-  return bundle.bytes();
-}
-
-TEST(StructuredDamage, CompiledCameras) {
-  const TemporaryFolder folder;
-  const std::string path = folder.file("a.bundle");
-  Scene scene = small_scene(ideal_singlet(), large_array(Lattice::square, LensModel::ideal));
-  const CompiledScene compiled = compile(scene);
-  CompileSettings settings;
-  settings.samples = 8;
-  settings.level = 1;
-  settings.window = {20, 20, 16, 12};
-  write_bundle(path, compile_camera(compiled, settings));
-  const std::string whole = read_bytes(path);
-  ASSERT_EQ(Bundle(whole).bytes().size(), whole.size());
-  RenderSettings render;
-  render.window = settings.window;
-  Execution one;
-  one.threads = 1;
-  const auto read = [&](const std::string& bytes) {
-    write_bytes(path, bytes);
-    const CompiledCamera camera = read_bundle(path);
-    static_cast<void>(camera.lit_pixels());
-    const RenderResult result = render_compiled(compiled, camera, render, one);
-    ASSERT_EQ(result.light_field.channels.at(0).flux.pixels.size(), 16U * 12U);
-  };
-  ASSERT_NO_THROW(read(whole));
-  Random random(20261201);
-  read_damaged("compiled cameras (.bundle), sums repaired", damaged_files_wanted(300), {whole},
-               [&](const std::string& bytes) { return damaged_bundle(bytes, random); }, read,
-               {0.02, 0.2});
 }
 
 // --- states of runs ---

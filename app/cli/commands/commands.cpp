@@ -7,7 +7,6 @@ void register_commands(const Registry& registry) {
   register_merge(registry);
   register_submit(registry);
   register_sweep(registry);
-  register_compile(registry);
   register_rays(registry);
   register_corners(registry);
   register_bench(registry);

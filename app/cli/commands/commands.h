@@ -5,7 +5,6 @@ namespace plenoflame::cli {
 
 // One function per command, in commands/NAME.cpp.
 void register_render(const Registry& registry);
-void register_compile(const Registry& registry);
 void register_rays(const Registry& registry);
 void register_corners(const Registry& registry);
 void register_bench(const Registry& registry);

@@ -56,7 +56,7 @@ void check_is_scene(const std::string& path) {
   if (!std::filesystem::exists(path, error) && !error)
     throw FileError("cannot read '" + path + "': No such file or directory");
   if (!std::filesystem::is_regular_file(path, error)) return;  // a pipe would be waited for
-  std::array<char, 18> start{};
+  std::array<char, 4> start{};
   std::ifstream file(path, std::ios::binary);
   file.read(start.data(), start.size());
   const std::string_view bytes(start.data(), static_cast<std::size_t>(file.gcount()));
@@ -70,10 +70,6 @@ void check_is_scene(const std::string& path) {
     refuse(
         "a flame (.vdb), but a scene (.toml) is needed; name the flame as a file of its "
         "[[flames]]");
-  if (bytes == "plenoflame bundle ")
-    refuse(
-        "a compiled camera (.bundle), but a scene (.toml) is needed; give the camera with "
-        "--compiled");
   if (bytes.starts_with("\x89PNG")) refuse("a picture (.png), but a scene (.toml) is needed");
 }
 

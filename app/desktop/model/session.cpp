@@ -1,7 +1,5 @@
 #include "model/session.h"
 
-#include "plenoflame/base/error.h"
-
 namespace plenoflame::desktop {
 Session::Session(QObject* parent)
     : QObject(parent),
@@ -94,41 +92,8 @@ void Session::start_render() {
   render_now();
 }
 
-/// By the compiled camera where it is that of the scene; otherwise it is said why not.
 void Session::render_now() {
-  const auto& scene = compiler_.compiled();
-  if (bundle_.camera) {
-    try {
-      check_compiled(*scene, *bundle_.camera, bundle_.name);
-      return render_.start(scene, threads_, nullptr, bundle_);
-    } catch (const Error& error) {
-      emit warned(QString::fromStdString(std::string("rays are followed: ") + error.what()));
-    }
-  }
-  render_.start(scene, threads_, bettered());
-}
-
-void Session::use_compiled_camera(std::shared_ptr<const CompiledCamera> camera,
-                                  const std::string& name) {
-  if (!compiler_.is_current())
-    throw InputError(name + ": the scene has an error, or is not prepared yet; try again then");
-  check_compiled(*compiler_.compiled(), *camera, name);
-  const PixelWindow& window = camera->window;
-  if (window.width != camera->sensor_width || window.height != camera->sensor_height)
-    throw InputError(QString("%1: holds %2 x %3 pixels of the sensor only, and here all of it is "
-                             "shown; compile it without --window")
-                         .arg(QString::fromStdString(name))
-                         .arg(window.width)
-                         .arg(window.height)
-                         .toStdString());
-  bundle_ = {std::move(camera), name};
-  start_render();
-}
-
-void Session::follow_rays() {
-  if (!bundle_.camera) return;
-  bundle_ = {};
-  if (!document_.is_empty()) start_render();
+  render_.start(compiler_.compiled(), threads_, bettered());
 }
 
 /// The picture that is there, where it is one of the present scene with any number of samples.
@@ -137,7 +102,6 @@ std::shared_ptr<const LightField> Session::bettered() const {
   const Scene& scene = compiler_.compiled()->scene;
   const SensorSpec& sensor = scene.camera.sensor;
   if (!image || image_is_other_ || image->seed != scene.render.seed) return nullptr;
-  if (image->estimator == "compiled") return nullptr;  // its samples are no passes of rays
   const bool whole = image->window.width == sensor.columns && image->window.height == sensor.rows;
   return whole && image->channels.size() == scene.channels.size() ? image : nullptr;
 }

@@ -40,14 +40,6 @@ class Session : public QObject {
   void start_render();
   /// True if the views are of the scene before the last change.
   bool views_are_old() const { return views_are_old_ && light_field_.views(); }
-  /// Pictures are made by this camera from now on, as long as the scene's camera is that one.
-  /// @param name of its file, for messages
-  /// @throws InputError: of another camera or flame than the present scene's, or of a part of the
-  ///         sensor only
-  void use_compiled_camera(std::shared_ptr<const CompiledCamera> camera, const std::string& name);
-  /// Pictures are made of rays again.
-  void follow_rays();
-  const CompiledBundle& compiled_camera() const { return bundle_; }
   /// True if nothing is being computed beside the picture and the rays, which say so themselves.
   bool at_rest() const { return !design_.busy() && !lens_.busy() && !light_field_.busy(); }
   /// Threads for rendering; 0: one per processor.
@@ -85,7 +77,6 @@ class Session : public QObject {
   bool auto_render_ = true, outlines_wanted_ = false, views_wanted_ = false,
        start_when_compiled_ = false;
   int threads_ = 0;
-  CompiledBundle bundle_;
   QTimer later_;
 };
 

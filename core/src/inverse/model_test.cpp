@@ -229,7 +229,7 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
     tests.add_of_camera(SuspectKind::stray_light, v, std::vector<double>(model.light.size(), 1.0));
     if (views > 1)
       tests.add_of_camera(SuspectKind::exposure, v, {model.light.begin(), model.light.end()});
-    if ((*model.views)[v].compiled || !(least > 0)) continue;
+    if (!(least > 0)) continue;
     for (std::size_t d = 0; d < displacements.size(); ++d) {
       const auto& [kind, step] = displacements[d];
       report_fraction(execution,

@@ -30,8 +30,7 @@ struct TestedModel {
 /// Tests the absorption, and exposure, stray light, place, rotation and focus of each camera
 /// against the pictures. The flame is free to follow (docs/theory/reconstruction.md). Quantities
 /// that explain the misfit are named, one after the other, until no other is significant. Only
-/// several cameras determine exposures. Compiled cameras are not displaced, nor are others that
-/// cannot be.
+/// several cameras determine exposures. Cameras that cannot be displaced are not.
 /// @param accuracy of one solution for each quantity
 /// @param execution whose progress goes from 0 to 1
 /// @throws Cancelled

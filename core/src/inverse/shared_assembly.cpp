@@ -225,11 +225,8 @@ void SharedAssembly::share(const Work& work, const Execution& execution) {
 
 CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box& box,
                                 const CameraRaySettings& settings, const Execution& execution) {
-  const bool all_drawn = std::none_of(views.begin(), views.end(),
-                                      [](const CameraView& view) { return view.compiled; });
-  // Rays of a compiled camera are stored: there is nothing to share. Micro-images lie across the
-  // pieces.
-  if (settings.bin < 1 || settings.cells != 0 || !all_drawn)
+  // Micro-images lie across the pieces.
+  if (settings.bin < 1 || settings.cells != 0)
     return draw_camera_rays(views, box, settings, execution);
   const std::vector<DrawnPiece> pieces = pieces_of(views, settings);
   if (pieces.size() < 2) return draw_camera_rays(views, box, settings, execution);

@@ -6,9 +6,7 @@
 #include <utility>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/ranks.h"
-#include "render/compiled/compiled_work.h"
 #include "render/estimators/backward.h"
 #include "render/estimators/rank_bytes.h"
 #include "render/estimators/rank_protocol.h"
@@ -86,7 +84,8 @@ class Inbox {
 };
 
 /// @return first byte of the message that ended the pass
-char serve_pass(const TileWork& work, Film& film, Communicator& ranks, const Execution& execution) {
+char serve_pass(const BackwardPass& pass, Film& film, Communicator& ranks,
+                const Execution& execution) {
   Inbox inbox(ranks, film, execution.stop);
   std::string ready(1, kPassReady);
   put(ready, execution.thread_count());
@@ -94,18 +93,18 @@ char serve_pass(const TileWork& work, Film& film, Communicator& ranks, const Exe
   RenderStatistics statistics;
   Execution working = execution;
   working.stop = {};  // the inbox ends it, since rank 0 needs the answer
-  work([&] { return inbox.next(); }, working, film, statistics,
-       [&](const TileJob& job, double rays) {
-         std::string bytes(1, kTileDone);
-         put(bytes, job);
-         put(bytes, rays);
-         std::vector<double> sums;
-         if (!std::as_const(film).tile_sums(job.tile).empty())
-           sums = std::move(film.tile_sums(job.tile));
-         film.tile_sums_taken(job.tile);
-         put_all(bytes, sums);
-         ranks.send(0, std::move(bytes));
-       });
+  pass.run([&] { return inbox.next(); }, working, film, statistics,
+           [&](const TileJob& job, double rays) {
+             std::string bytes(1, kTileDone);
+             put(bytes, job);
+             put(bytes, rays);
+             std::vector<double> sums;
+             if (!std::as_const(film).tile_sums(job.tile).empty())
+               sums = std::move(film.tile_sums(job.tile));
+             film.tile_sums_taken(job.tile);
+             put_all(bytes, sums);
+             ranks.send(0, std::move(bytes));
+           });
   if (inbox.end() != kPassEnds) return inbox.end();
   std::string bytes(1, kPassEnded);
   put(bytes, static_cast<const WorkCounters&>(statistics));
@@ -120,11 +119,11 @@ RankMessage wait_for_message(Communicator& ranks) {
     if (std::optional<RankMessage> message = ranks.receive()) return std::move(*message);
 }
 
-bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
-                  const RankMessage& begin, Communicator& ranks, const Execution& execution) {
+bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,
+                  const Execution& execution) {
   std::optional<RenderSettings> settings;
-  std::optional<BackwardShared> shared;  ///< unused with a compiled camera
-  bool is_ready = false, by_camera = false;
+  std::optional<BackwardShared> shared;
+  bool is_ready = false;
   Film film;
   const auto fail = [&](const std::string& what) {
     ranks.send(0, std::string(1, rank_message::kFailed) + what);
@@ -142,12 +141,7 @@ bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
   guarded([&] {
     const auto sent = RankReader(std::string_view(begin.bytes).substr(1)).get<RankSettings>();
     settings = settings_from(sent);
-    by_camera = sent.compiled;
-    if (by_camera && !camera) throw UsageError("the compiled camera is not there");
-    if (by_camera)
-      check_compiled(scene, *camera, "the compiled camera");
-    else
-      shared.emplace(scene, *settings, execution);
+    shared.emplace(scene, *settings, execution);
     film = Film(window_of(*settings, scene.scene.camera.sensor),
                 static_cast<int>(scene.scene.channels.size()), settings->replicates);
     is_ready = true;
@@ -157,15 +151,10 @@ bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
     char what = message.bytes.front();
     if (what == kPassBegins && is_ready)
       guarded([&] {
-        if (by_camera) {
-          what = serve_pass(compiled_work(scene, *camera, *settings, "the compiled camera"), film,
-                            ranks, execution);
-          return;
-        }
         RankReader reader(std::string_view(message.bytes).substr(1));
         const BackwardPass pass(scene, *settings, reader.get_all<PointRange>(), *shared,
                                 execution.threads);
-        what = serve_pass(pass.work(), film, ranks, execution);
+        what = serve_pass(pass, film, ranks, execution);
       });
     if (what == kRenderEnds) return true;
     if (what == rank_message::kQuit) return false;

@@ -15,7 +15,4 @@ list(APPEND core_sources src/render/estimators/backward.cpp src/render/tracer/pi
   src/render/sampling/worth_levels.cpp src/render/work_counters.cpp
   src/render/tracer/backward_surfaces.cpp src/render/forward/forward_surfaces.cpp src/render/forward/forward_scatter.cpp
   src/render/visibility/endless_planes.cpp
-  src/render/paths/pattern_images.cpp
-  src/render/compiled/moment_walk.cpp src/render/compiled/bundle_rule.cpp src/render/compiled/compiled_frame.cpp
-  src/render/compiled/tile_bundles.cpp src/render/compiled/compiled_key.cpp src/render/compiled/compile_camera.cpp
-  src/render/compiled/bundle_file.cpp src/render/compiled/compiled_rays.cpp src/render/compiled/render_compiled.cpp)
+  src/render/paths/pattern_images.cpp)

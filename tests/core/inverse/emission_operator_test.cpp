@@ -10,7 +10,6 @@
 #include "core/inverse/glowing_grid.h"
 #include "core/inverse/random_vectors.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/render.h"
 #include "support/approx.h"
 #include "support/small_scene.h"
@@ -131,73 +130,6 @@ Scene filtered_scene() {
 
 TEST(EmissionOperator, FiltersInThePupilWeighTheRays) {
   expect_picture(problem_of(filtered_scene(), 150));
-}
-
-CompiledCamera compiled_by(const CompiledScene& scene, double margin) {
-  CompileSettings settings;
-  settings.samples = 64;
-  settings.level = 2;
-  settings.margin = margin;
-  return compile_camera(scene, settings);
-}
-
-// The rays that a compiled camera keeps, with their weights: with microlenses, and through filters.
-// Fails when either set counts whole, or filters are forgotten.
-TEST(EmissionOperator, RowsOfACompiledCameraAreItsPicture) {
-  for (const Scene& scene : {glowing_scene(true), filtered_scene()}) {
-    Problem p = problem_of(scene, 150);
-    const CompiledCamera camera = compiled_by(p.scene, 1e-3);
-    p.rays = draw_camera_rays({{&p.scene, {}, &camera, "a.bundle"}}, p.unknowns->bounds(), {});
-    expect_picture(p, render_compiled(p.scene, camera, exact_settings()));
-  }
-}
-
-TEST(EmissionOperator, CompiledCamerasBelongToSceneGridAndWindow) {
-  const Problem p = problem_of(glowing_scene(true), 0);
-  const CompiledCamera camera = compiled_by(p.scene, 1e-3);
-  const auto message = [&](const CompiledScene& scene, const PixelWindow& window, Box box) {
-    try {
-      draw_camera_rays({{&scene, window, &camera, "a.bundle"}}, box, {});
-    } catch (const Error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  const Box box = p.unknowns->bounds();
-  EXPECT_EQ(message(p.scene, {}, box), "");
-  EXPECT_EQ(message(p.scene, {4, 4, 8, 8}, box), "");
-  EXPECT_NE(message(p.scene, {4, 4, 40, 8}, box).find("a.bundle: holds the window 0,0,24,24"),
-            std::string::npos);
-  const Box larger{box.lower, box.upper + Vec3{3e-3, 0, 0}};
-  EXPECT_NE(message(p.scene, {}, larger).find("the grid of the unknowns reaches"),
-            std::string::npos);
-  Scene other = glowing_scene(true);
-  other.camera.position.x = -0.01;
-  EXPECT_NE(message(compile(other, glowing_loader(p.g)), {}, box).find("camera.position"),
-            std::string::npos);
-}
-
-// A part of the window has the whole's rays.
-TEST(EmissionOperator, CompiledRaysDoNotDependOnTheWindow) {
-  const Problem p = problem_of(glowing_scene(true), 0);
-  const CompiledCamera camera = compiled_by(p.scene, 1e-3);
-  const Box box = p.unknowns->bounds();
-  const CameraRays whole = draw_camera_rays({{&p.scene, {}, &camera, ""}}, box, {});
-  const PixelWindow window{5, 6, 9, 10};
-  const CameraRays part = draw_camera_rays({{&p.scene, window, &camera, ""}}, box, {});
-  std::size_t k = 0;
-  for (std::size_t i = 0; i < whole.rows.size(); ++i) {
-    const CameraRays::Row& row = whole.rows[i];
-    if (row.column < 5 || row.column >= 14 || row.row < 6 || row.row >= 16) continue;
-    ASSERT_LT(k, part.rows.size());
-    ASSERT_EQ(part.rows[k].column, row.column);
-    ASSERT_EQ(part.end_of(k) - part.rows[k].begin, whole.end_of(i) - row.begin);
-    for (std::size_t r = row.begin, s = part.rows[k].begin; r < whole.end_of(i); ++r, ++s)
-      ASSERT_EQ(part.rays[s].weight, whole.rays[r].weight);
-    ++k;
-  }
-  EXPECT_EQ(k, part.rows.size());
-  EXPECT_GT(k, 20U);
 }
 
 // With glasses that disperse the line has rays of its own in the picture, while the matrix takes
@@ -334,32 +266,29 @@ INSTANTIATE_TEST_SUITE_P(Rows, DrawnAgain,
                                   std::to_string(rows.param.samples);
                          });
 
-// Rays have the weight of their channel behind the filters, and a compiled camera's are unpacked.
-// Fails when the rays that are drawn again are those of the first channel.
-TEST(EmissionOperator, DrawnRaysAreThoseOfTheirChannelAndCamera) {
+// Rays have the weight of their channel behind the filters. Fails when the rays that are drawn
+// again are those of the first channel.
+TEST(EmissionOperator, DrawnRaysAreThoseOfTheirChannel) {
   Scene scene = filtered_scene();
   scene.camera.sensor = {48, 48, 0.2e-3};
   scene.channels.push_back({"550nm", ChannelKind::band, 550e-9, 20e-9});
   const Problem p = problem_of(scene, 150);
-  const CompiledCamera camera = compiled_by(p.scene, 1e-3);
-  for (const CameraView& view : {CameraView{&p.scene, {}}, {&p.scene, {}, &camera, "a.bundle"}}) {
-    std::vector<std::vector<double>> products;
-    for (const int channel : {0, 1}) {
-      CameraRaySettings settings;
-      settings.channel = channel;
-      for (const bool keep : {true, false}) {
-        settings.keep = keep;
-        const CameraRays rays = draw_camera_rays({view}, p.unknowns->bounds(), settings);
-        EXPECT_EQ(rays.rays.empty(), !keep);
-        const auto a = make_emission_operator(
-            {&rays, p.unknowns.get(), RowModel::emission, p.g.absorption}, {});
-        products.push_back(transposed_times(*a, std::vector<double>(a->rows(), 1.0)));
-      }
+  std::vector<std::vector<double>> products;
+  for (const int channel : {0, 1}) {
+    CameraRaySettings settings;
+    settings.channel = channel;
+    for (const bool keep : {true, false}) {
+      settings.keep = keep;
+      const CameraRays rays = draw_camera_rays({{&p.scene, {}}}, p.unknowns->bounds(), settings);
+      EXPECT_EQ(rays.rays.empty(), !keep);
+      const auto a =
+          make_emission_operator({&rays, p.unknowns.get(), RowModel::emission, p.g.absorption}, {});
+      products.push_back(transposed_times(*a, std::vector<double>(a->rows(), 1.0)));
     }
-    EXPECT_EQ(products[0], products[1]);
-    EXPECT_EQ(products[2], products[3]);
-    EXPECT_NE(products[0], products[2]);
   }
+  EXPECT_EQ(products[0], products[1]);
+  EXPECT_EQ(products[2], products[3]);
+  EXPECT_NE(products[0], products[2]);
 }
 
 // Sixteen times the rays are held as the same bytes, and pieces become smaller in rows, not larger

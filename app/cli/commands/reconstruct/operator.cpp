@@ -9,7 +9,6 @@
 #include "commands/commands.h"
 #include "commands/part_option.h"
 #include "commands/reconstruct/operator_options.h"
-#include "commands/render/bundles_option.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "medium_loader.h"
@@ -63,7 +62,6 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
     throw UsageError("--part: parts of a matrix are written as .npz or .h5, which merge reads");
   const std::vector<CameraScene> views =
       read_camera_scenes({settings.scene}, settings.set, settings.cameras);
-  const NamedBundles bundles = read_bundles(settings.compiled, views.size());
   ProgressBar bar(settings.quiet);
   Execution execution;
   execution.threads = settings.threads;
@@ -80,7 +78,7 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
     if (views.size() > 1) names.push_back(view.document.scene.camera.name);
   }
   const std::unique_ptr<OperatorProblem> made =
-      make_operator_problem(settings, cameras, settings.scene, execution, bundles, part);
+      make_operator_problem(settings, cameras, settings.scene, execution, part);
   const EmissionProblem& problem = made->problem;
   const CameraRays& rays = made->rays;
   const std::size_t entries = estimated_entries(problem);
@@ -91,7 +89,7 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
   const CsrMatrix<float> matrix = make_emission_matrix(problem, execution);
   bar.finish();
   CsrPart own{part, 0};
-  if (!part.is_whole()) own.work = csr_work(operator_work(settings, cameras, bundles));
+  if (!part.is_whole()) own.work = csr_work(operator_work(settings, cameras));
   FileSet files;
   files.write(settings.output, [&](const std::string& name) { write_csr(name, matrix, own); });
   if (!settings.pixels.empty())

@@ -5,7 +5,6 @@
 #include "choice.h"
 #include "commands/part_option.h"
 #include "commands/reconstruct/unknowns_options.h"
-#include "commands/render/bundles_option.h"
 #include "commands/scene_input.h"
 #include "outputs.h"
 
@@ -44,7 +43,6 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
                   "rays: kept in memory; drawn: a part at a time; auto: kept if they fit (auto)")
       ->check(one_of({"auto", "rays", "drawn"}))
       ->option_text("FORM");
-  add_bundles_option(command, arguments.compiled);
   add_part_option(
       command, arguments.part,
       "Make only the rows of the Kth of N parts, which merge puts together (.npz, .h5)");

@@ -13,7 +13,7 @@ namespace plenoflame::cli {
 /// Arguments of the command line of `operator`.
 struct OperatorArguments : OperatorRequest {
   std::string scene, output, pixels, places, part;
-  std::vector<std::string> set, cameras, compiled;
+  std::vector<std::string> set, cameras;
   int threads = 0;
   bool json = false, quiet = false;
 };

@@ -1,10 +1,8 @@
 #include "commands/reconstruct/reconstruct_input.h"
 
 #include <memory>
-#include <tuple>
 #include <utility>
 
-#include "commands/render/bundles_option.h"
 #include "medium_loader.h"
 #include "plenoflame/image/light_field.h"
 
@@ -27,7 +25,6 @@ ReconstructCameras compile_cameras(const ReconstructArguments& arguments,
                                    const Execution& execution) {
   const std::vector<std::string> names = files_of(arguments, views.size(), 0);
   const LightField first = read_light_field(names[0], execution.stop);
-  const NamedBundles bundles = read_bundles(arguments.compiled, views.size());
   std::vector<ReconstructCamera> cameras;
   for (const CameraScene& view : views) {
     const SceneDocument& document = view.document;
@@ -36,8 +33,6 @@ ReconstructCameras compile_cameras(const ReconstructArguments& arguments,
              document.scene, medium_loader(), execution, document.positions,
              {cameras.empty() ? nullptr : cameras.front().scene.get()}, {IssueCode::no_flame})),
          view.what()});
-    if (bundles.empty()) continue;
-    std::tie(cameras.back().compiled_name, cameras.back().compiled) = bundles[cameras.size() - 1];
   }
   return reconstruct_cameras(arguments, std::move(cameras), first, names);
 }

@@ -8,7 +8,6 @@
 
 #include "choice.h"
 #include "commands/reconstruct/unknowns_options.h"
-#include "commands/render/bundles_option.h"
 #include "commands/scene_input.h"
 #include "number_range.h"
 #include "options.h"
@@ -167,7 +166,6 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
       ->option_text("N");
   command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's + 1000)")
       ->option_text("N");
-  add_bundles_option(command, arguments.compiled);
   command.add_flag("--quiet", arguments.quiet, "No progress on the terminal");
   command.add_flag("--json", arguments.json, "Print the figures as JSON");
 }

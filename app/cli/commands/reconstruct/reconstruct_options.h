@@ -13,8 +13,7 @@ namespace plenoflame::cli {
 
 /// Arguments of the command line of a reconstruction.
 struct ReconstructArguments : ReconstructRequest {
-  std::vector<std::string> scenes, set, cameras, images, residuals, reports, compiled,
-      refined_scenes;
+  std::vector<std::string> scenes, set, cameras, images, residuals, reports, refined_scenes;
   std::string output;
   int threads = 0;
   bool json = false, quiet = false;

@@ -30,7 +30,6 @@
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/uniform_medium.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/exposure.h"
 #include "plenoflame/render/ground_truth.h"
@@ -340,8 +339,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   const SceneUse use{options.frames ? picture.view : 0, picture.begin};
   const auto compiled = [&](const Scene& scene) -> const CompiledScene& {
     const auto start = std::chrono::steady_clock::now();
-    if (run.ranks)
-      announce_scene(scene, use, options.white, options.compiled, options.threads, *run.ranks);
+    if (run.ranks) announce_scene(scene, use, options.white, options.threads, *run.ranks);
     run.newest = &run.scenes.of(scene, use, [&](const EarlierScenes& known) {
       check_series(picture, scene, run.check_lattice);
       CompiledScene made = compile(scene, loader, compiling, document.positions, known, unsaid);
@@ -375,11 +373,9 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   const double share = rendering_share(options.truth, settings);
   ExposureKeeping keeping;
   if (earlier && earlier->exposure) keeping.resume = &*earlier->exposure;
-  // A state does not know the rays of a compiled camera.
-  if (!settings.compiled)
-    keeping.keep = [&](const ExposureState& exposure, const Film& current) {
-      keeper.offer(exposure, current);
-    };
+  keeping.keep = [&](const ExposureState& exposure, const Film& current) {
+    keeper.offer(exposure, current);
+  };
   RenderResult result =
       render_exposure(moments, compiled, settings, share_of(execution, 0, share), keeping);
   const bool rendering_stopped = stop.stop_requested();
@@ -476,9 +472,7 @@ int render_frame(const Picture& picture, RenderRun& run, const std::stop_token& 
 int run_render(const RenderArguments& arguments, JobCommunicator* ranks,
                const std::stop_token& stop) {
   if (!arguments.options.scene.empty()) check_is_scene(arguments.options.scene);
-  RenderOptions asked = checked_options(arguments);
-  if (!asked.compiled.empty())
-    asked.compiled_camera = std::make_shared<const CompiledCamera>(read_bundle(asked.compiled));
+  const RenderOptions asked = checked_options(arguments);
   if (!asked.resume.empty() && !asked.frames) return resume(asked, ranks, stop);
   const std::vector<Picture> pictures = pictures_of(asked);
   // Errors in any of the pictures are reported before the first is begun.

@@ -108,11 +108,6 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   command.add_flag(
       "--no-control-variate{false}", options.control_variate,
       "Integrate every ray through a grid, without the table of radiance (for comparison)");
-  command
-      .add_option("--compiled", options.compiled,
-                  "Use the rays that `plenoflame compile` found for the camera, in their number "
-                  "and with their seed")
-      ->option_text("FILE.bundle");
   command.add_flag("--white", options.white,
                    "White image: 1 W/(m^2 sr) from all directions in place of the flames");
   command
@@ -135,25 +130,6 @@ std::vector<double> f_number_list(const std::string& text) {
     numbers.push_back(number);
   }
   return numbers;
-}
-
-/// A compiled camera has its own rays; options that would need other rays are rejected.
-void check_compiled_options(const RenderArguments& arguments, const RenderOptions& options) {
-  const std::pair<bool, const char*> others[] = {
-      {!arguments.samples.empty(), "--samples"},
-      {!arguments.target_error.empty(), "--target-error"},
-      {!arguments.time_limit.empty(), "--time-limit"},
-      {!arguments.seed.empty(), "--seed"},
-      {options.estimator.has_value(), "--estimator"},
-      {options.white, "--white"}};
-  for (const auto& [given, name] : others)
-    if (given)
-      throw UsageError(
-          std::string(name) +
-          " cannot be used with --compiled, which has its own rays; leave one of them out");
-  if (!options.resume.empty() && !options.frames)
-    throw UsageError(
-        "--resume cannot be used with --compiled, which renders a picture in one step");
 }
 
 }  // namespace
@@ -227,7 +203,6 @@ RenderOptions checked_options(const RenderArguments& arguments) {
     if (options.frames && !options.resume.empty() && options.output != options.resume)
       throw UsageError("--frames: --resume must name the file of --output, without a frame number");
   }
-  if (!options.compiled.empty()) check_compiled_options(arguments, options);
   if (options.white && options.estimator == Estimator::forward)
     throw UsageError("--white needs the backward estimator: bundles have no place to start from");
   return options;
@@ -263,8 +238,6 @@ RenderSettings render_settings_of(const RenderOptions& options, const Scene& sce
   if (options.window) settings.window = *options.window;
   if (options.part) settings.part = *options.part;
   settings.skip = options.skip;
-  settings.compiled = options.compiled_camera;
-  if (settings.compiled) settings.compiled_name = options.compiled;
   settings.control_variate = options.control_variate;
   return settings;
 }

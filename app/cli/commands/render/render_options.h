@@ -1,6 +1,5 @@
 #pragma once
 #include <cstdint>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,9 +14,6 @@
 
 namespace CLI {
 class App;
-}
-namespace plenoflame {
-struct CompiledCamera;
 }
 
 namespace plenoflame::cli {
@@ -51,8 +47,6 @@ struct RenderOptions {
   bool json = false;
   std::string compression;  ///< as in exr_compression(); empty: that of `resume`, else rle
   bool white = false;       ///< a uniform field in place of the flames
-  std::string compiled;     ///< .bundle to render by; empty: none
-  std::shared_ptr<const CompiledCamera> compiled_camera;  ///< that it holds
   /// With --white: f-numbers at which it is taken, each into a file of its own; empty: the lens as
   /// it is.
   std::vector<double> f_numbers;

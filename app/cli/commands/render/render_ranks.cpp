@@ -4,7 +4,6 @@
 #include <exception>
 #include <filesystem>
 #include <nlohmann/json.hpp>
-#include <optional>
 #include <string>
 
 #ifdef PLENOFLAME_HAS_VOLUMES
@@ -14,7 +13,6 @@
 #include "medium_loader.h"
 #include "plenoflame/base/execution.h"
 #include "plenoflame/media/uniform_medium.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/ranks.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/validate.h"
@@ -41,16 +39,14 @@ void fill_with_light(CompiledScene& compiled) {
   }
 }
 
-void announce_scene(const Scene& scene, const SceneUse& use, bool white,
-                    const std::string& compiled, int threads, Communicator& ranks) {
-  const nlohmann::json json{
-      {"scene", write_scene(scene)},
-      {"file", std::filesystem::absolute(scene.file).string()},
-      {"view", use.view},
-      {"begin", use.begin},
-      {"white", white},
-      {"compiled", compiled.empty() ? "" : std::filesystem::absolute(compiled).string()},
-      {"threads", threads}};
+void announce_scene(const Scene& scene, const SceneUse& use, bool white, int threads,
+                    Communicator& ranks) {
+  const nlohmann::json json{{"scene", write_scene(scene)},
+                            {"file", std::filesystem::absolute(scene.file).string()},
+                            {"view", use.view},
+                            {"begin", use.begin},
+                            {"white", white},
+                            {"threads", threads}};
   const std::string text =
       kScene + json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, text);
@@ -61,8 +57,6 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
   execution.stop = stop;
   CompiledScenes scenes;
   const CompiledScene* compiled = nullptr;
-  std::optional<CompiledCamera> camera;
-  std::string camera_file;
   bool white = false;
   for (;;) {
     const RankMessage message = wait_for_message(ranks);
@@ -86,10 +80,6 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
           if (white) fill_with_light(made);
           return made;
         });
-        const auto file = json.at("compiled").get<std::string>();
-        if (file != camera_file) camera.reset();
-        if (!file.empty() && !camera) camera = read_bundle(file);
-        camera_file = file;
       }
       if (what == kSweepBegins) serve_sweep(message, ranks, threads, stop);
 #ifdef PLENOFLAME_HAS_VOLUMES
@@ -97,7 +87,7 @@ void serve_renderings(Communicator& ranks, int threads, const std::stop_token& s
         return;
 #endif
       if (what == rank_message::kRender && compiled &&
-          !serve_render(*compiled, camera ? &*camera : nullptr, message, ranks, execution))
+          !serve_render(*compiled, message, ranks, execution))
         return;
     } catch (const std::exception& error) {
       compiled = nullptr;

@@ -1,6 +1,5 @@
 #pragma once
 #include <stop_token>
-#include <string>
 
 #include "commands/render/compiled_scenes.h"
 #include "plenoflame/base/communicator.h"
@@ -12,10 +11,9 @@ namespace plenoflame::cli {
 void fill_with_light(CompiledScene& compiled);
 
 /// Rank 0 tells the others which scene is rendered next: they compile it, too.
-/// @param compiled file of the camera by which it is rendered; empty: none
 /// @param threads of each; 0: as many as each thinks best
-void announce_scene(const Scene& scene, const SceneUse& use, bool white,
-                    const std::string& compiled, int threads, Communicator& ranks);
+void announce_scene(const Scene& scene, const SceneUse& use, bool white, int threads,
+                    Communicator& ranks);
 
 /// Compiles what rank 0 announces and renders along, until it quits.
 /// @param threads where rank 0 does not say how many

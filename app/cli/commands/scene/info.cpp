@@ -16,7 +16,6 @@
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/open_file.h"
 #include "plenoflame/image/png_file.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/scene_file.h"
 #include "readable.h"
 #include "run.h"
@@ -38,7 +37,7 @@ std::string scene_inside(const std::string& path, const std::vector<std::string>
                      : write_scene(read_scene_of(field, path, set).scene);
 }
 
-enum class Kind { light_field, png, poly_data, vdb, scene, ray_csv, ray_json, bundle, unknown };
+enum class Kind { light_field, png, poly_data, vdb, scene, ray_csv, ray_json, unknown };
 
 /// By the file's first bytes, and for texts by its name.
 Kind kind_of(const std::string& path) {
@@ -55,7 +54,6 @@ Kind kind_of(const std::string& path) {
   const std::string_view bytes(start.data(), count);
   if (bytes.starts_with("\x76\x2f\x31\x01")) return Kind::light_field;
   if (bytes.starts_with("\x89PNG\r\n\x1a\n")) return Kind::png;
-  if (bytes.starts_with("plenoflame bundle ")) return Kind::bundle;
   if (bytes.starts_with(" BDV")) return Kind::vdb;
   if (bytes.find("<VTKFile") != std::string_view::npos) return Kind::poly_data;
   if (std::filesystem::path(path).extension() == ".toml") return Kind::scene;
@@ -105,9 +103,6 @@ int run_info(const InfoArguments& settings) {
     case Kind::ray_json:
       describe_rays(count_rays_of_json(settings.file), report);
       break;
-    case Kind::bundle:
-      describe_bundle(settings.file, report);
-      break;
     case Kind::vdb:
 #if defined(PLENOFLAME_HAS_VOLUMES)
       describe_vdb(settings.file, report);
@@ -122,7 +117,7 @@ int run_info(const InfoArguments& settings) {
       throw InputError(
           "'" + settings.file + "' is " + (empty && !no_file ? "empty, so it is " : "") +
           "not a file that Plenoflame reads: scene (.toml), flame (.vdb), light field (.exr), "
-          "compiled camera (.bundle), ray paths (.vtp, .csv, .json), picture (.png)");
+          "ray paths (.vtp, .csv, .json), picture (.png)");
     }
   }
   report.print(settings.json);
@@ -130,39 +125,6 @@ int run_info(const InfoArguments& settings) {
 }
 
 }  // namespace
-
-void describe_bundle(const std::string& path, Report& report) {
-  const CompiledCamera camera = read_bundle(path);
-  const PixelWindow& w = camera.window;
-  const double lit = camera.lit_pixels(), nodes = static_cast<double>(camera.nodes);
-  report.add("type", "compiled camera", "type", "compiled camera");
-  report.add("version", camera.version, "version", camera.version);
-  report.add("sensor",
-             std::to_string(camera.sensor_width) + " x " + std::to_string(camera.sensor_height) +
-                 " pixels",
-             "sensor", {camera.sensor_width, camera.sensor_height});
-  report.add("window",
-             std::to_string(w.width) + " x " + std::to_string(w.height) + " from " +
-                 std::to_string(w.x) + "," + std::to_string(w.y),
-             "window", {w.x, w.y, w.width, w.height});
-  const Vec3 &a = camera.region.lower, &b = camera.region.upper;
-  report.add("region",
-             "x " + readable(a.x, Dimension::length) + " to " + readable(b.x, Dimension::length) +
-                 ", y " + readable(a.y, Dimension::length) + " to " +
-                 readable(b.y, Dimension::length) + ", z " + readable(a.z, Dimension::length) +
-                 " to " + readable(b.z, Dimension::length),
-             "region", {{a.x, a.y, a.z}, {b.x, b.y, b.z}});
-  report.add("pixels", std::to_string(static_cast<long long>(lit)) + " that see the region",
-             "pixels", lit);
-  report.add("rays",
-             std::to_string(camera.nodes) + ", " + readable_number(lit > 0 ? nodes / lit : 0) +
-                 " a pixel in two sets",
-             "rays", nodes);
-  report.add("bundles", std::to_string(camera.samples) + " rays a pixel and microlens", "samples",
-             camera.samples);
-  report.add_json("level", camera.level);
-  report.add_json("seed", camera.seed);
-}
 
 void describe_png(const std::string& path, Report& report) {
   const PngImage image = read_png(path);
@@ -187,8 +149,8 @@ void register_info(const Registry& registry) {
                   "plenoflame info flame.exr --json");
   command
       .add_option("FILE", settings->file,
-                  "Scene (.toml), flame (.vdb), light field (.exr), compiled camera (.bundle), ray "
-                  "paths (.vtp, .csv, .json) or picture (.png)")
+                  "Scene (.toml), flame (.vdb), light field (.exr), ray paths (.vtp, .csv, .json) "
+                  "or picture (.png)")
       ->required();
   add_set_option(command, settings->set);
   command.add_flag("--scene", settings->scene, "Print only the scene, with its presets resolved");

@@ -21,7 +21,6 @@ std::string complete_scene(const std::string& path, const std::vector<std::strin
 /// it.
 void describe_vdb(const std::string& path, Report& report);
 /// Picture: size, bits and texts.
-void describe_bundle(const std::string& path, Report& report);
 void describe_png(const std::string& path, Report& report);
 
 }  // namespace plenoflame::cli

@@ -10,7 +10,6 @@
 
 #include "commands/commands.h"
 #include "commands/reconstruct/operator_options.h"
-#include "commands/render/bundles_option.h"
 #include "commands/render/render_options.h"
 #include "commands/scene_input.h"
 #include "commands/series/sweep_plan.h"
@@ -137,9 +136,7 @@ void check_matrix(const SubmitArguments& submit, const std::vector<std::string>&
   read_options(matrix, words, {"--output", "--part", "--threads", "--pixels", "--places", "--json"},
                arguments.scene);
   check_operator(arguments);
-  const std::vector<CameraScene> views =
-      read_camera_scenes(submit.scenes, arguments.set, arguments.cameras);
-  static_cast<void>(read_bundles(arguments.compiled, views.size()));
+  static_cast<void>(read_camera_scenes(submit.scenes, arguments.set, arguments.cameras));
 }
 
 std::vector<SubmittedPicture> pictures_of(const SubmitArguments& arguments,

@@ -40,8 +40,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("NX,NY,NZ");
   command
       .add_option("--region", arguments.region,
-                  "Box of the lattice, two corners (around the scene's flames, or the region of "
-                  "--compiled)")
+                  "Box of the lattice, two corners (around the scene's flames)")
       ->option_text("X,Y,Z:X,Y,Z");
   command
       .add_option("--test-share", arguments.test_share,
@@ -58,10 +57,6 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments) {
       ->option_text("SHARE");
   command.add_option("--window", render.window, "Only W x H pixels from column X, row Y")
       ->option_text("X,Y,W,H");
-  command
-      .add_option("--compiled", options.compiled,
-                  "Use the rays that `plenoflame compile` found for the camera")
-      ->option_text("FILE.bundle");
   command.add_flag("--truth", options.truth, "Add layers of ground truth, see render");
   command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 4096))

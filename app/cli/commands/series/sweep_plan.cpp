@@ -21,7 +21,6 @@
 #include "plenoflame/base/version.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/text_file.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/compile.h"
 #include "plenoflame/scene/input_files.h"
 #include "plenoflame/scene/scene_file.h"
@@ -102,9 +101,8 @@ TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& op
   const double bytes_of_cell = lines ? 8 + 36 : 8;
   require_memory(bytes_of_cell * cells, fmt::format("--lattice: the truth in {:g} cells", cells),
                  "take fewer cells along x, y or z");
-  lattice.box = !arguments.region.empty() ? box_option("--region", arguments.region)
-                : options.compiled_camera ? options.compiled_camera->region
-                                          : box_of_flames(options);
+  lattice.box =
+      arguments.region.empty() ? box_of_flames(options) : box_option("--region", arguments.region);
   return lattice;
 }
 
@@ -142,12 +140,6 @@ nlohmann::ordered_json plan_text(const SweepPlan& plan, const SceneDocument& doc
   json["estimator"] = a.render.estimator;
   json["window"] = a.render.window;
   json["cameras"] = plan.options.cameras;
-  json["compiled"] =
-      plan.options.compiled_camera
-          ? fmt::format("seed {}, {} samples, level {}; {}", plan.options.compiled_camera->seed,
-                        plan.options.compiled_camera->samples, plan.options.compiled_camera->level,
-                        plan.options.compiled_camera->key)
-          : std::string();
   json["truth_layers"] = plan.options.truth;
   if (plan.lattice) {
     const Box& box = plan.lattice->box;
@@ -288,7 +280,7 @@ RenderOptions SweepPlan::options_of(int run) const {
   RenderOptions one = options;
   one.set = settings(run).set;
   one.output = folder + "/runs/" + run_name(run) + ".exr";
-  if (!one.compiled_camera) one.seed = seed_of_run(seed, run);
+  one.seed = seed_of_run(seed, run);
   return one;
 }
 
@@ -300,9 +292,6 @@ SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution
   render.options.output = "run.exr";
   plan.options = checked_options(render);
   plan.options.output_given = false;
-  if (!plan.options.compiled.empty())
-    plan.options.compiled_camera =
-        std::make_shared<const CompiledCamera>(read_bundle(plan.options.compiled));
   if (!arguments.seed.empty())
     plan.seed = whole_number_option<std::uint64_t>("--seed", arguments.seed, 0);
   if (!arguments.part.empty()) plan.part = part_option("--part", arguments.part);

@@ -42,7 +42,6 @@ void visit_arguments(SweepArguments& a, Visitor visit) {
   visit("scene", options.scene);
   visit("set", options.set);
   visit("cameras", options.cameras);
-  visit("compiled", options.compiled);
   visit("truth", options.truth);
   visit("threads", options.threads);
   visit("samples", a.render.samples);

@@ -12,7 +12,6 @@
 #include "plenoflame/image/array_set.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/media/medium_samples.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/exposure.h"
 #include "plenoflame/render/ground_truth.h"
@@ -129,8 +128,7 @@ void make_run(const SweepPlan& plan, int run, SweepWorker& worker, std::mutex& a
   nlohmann::ordered_json record;
   record["run"] = run;
   record["split"] = plan.test[static_cast<std::size_t>(run)] ? "test" : "train";
-  record["seed"] = plan.options.compiled_camera ? plan.options.compiled_camera->seed
-                                                : seed_of_run(plan.seed, run);
+  record["seed"] = seed_of_run(plan.seed, run);
   record["values"] = nlohmann::ordered_json::object();
   for (const SweepValue& value : plan.runs[static_cast<std::size_t>(run)])
     if (!value.key.empty()) record["values"][value.key] = value.value;

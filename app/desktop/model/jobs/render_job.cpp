@@ -55,7 +55,6 @@ bool has_errors(const LightField& field) {
 /// Everything that the worker keeps from pause to resume.
 struct RenderJob::Run {
   std::shared_ptr<const CompiledScene> scene;
-  CompiledBundle compiled;
   int threads = 0;
   bool finished_only = false;       ///< nothing is shown before the end
   std::atomic<bool> begun = false;  ///< the coarse picture is made, or not requested
@@ -71,12 +70,7 @@ struct RenderJob::Run {
   Clock::time_point launched, pass_began, last_picture, last_progress;
   double picture_seconds = 0;
 
-  RenderSettings settings() const {
-    RenderSettings settings = render_settings(scene->scene);
-    settings.compiled = compiled.camera;
-    settings.compiled_name = compiled.name;
-    return settings;
-  }
+  RenderSettings settings() const { return render_settings(scene->scene); }
   double elapsed() const { return seconds + seconds_since(launched); }
   double spent_in_pass() const { return pass_seconds + seconds_since(pass_began); }
   bool picture_due() const {
@@ -161,20 +155,16 @@ void RenderJob::set_state(State state) {
 }
 
 void RenderJob::start(std::shared_ptr<const CompiledScene> scene, int threads,
-                      std::shared_ptr<const LightField> shown, CompiledBundle compiled) {
+                      std::shared_ptr<const LightField> shown) {
   auto run = std::make_shared<Run>();
   run->threads = threads;
   const RenderSettings settings = render_settings(scene->scene);
   run->scene = std::move(scene);
-  run->compiled = std::move(compiled);
-  run->passes =
-      run->compiled.camera
-          ? std::vector<int>{run->compiled.camera->samples}
-          : passes_after(pass_samples(settings.samples, settings.replicates), shown.get());
+  run->passes = passes_after(pass_samples(settings.samples, settings.replicates), shown.get());
   run->earlier = std::move(shown);
   run->finished_only = finished_only_;
   if (finished_only_) run->passes.erase(run->passes.begin(), run->passes.end() - 1);
-  run->begun = run->earlier || run->compiled.camera || run->finished_only;
+  run->begun = run->earlier || run->finished_only;
   run->coarse = run_ ? run_->coarse : std::make_shared<CoarseScene>();
   run_ = std::move(run);
   forget();
@@ -182,10 +172,6 @@ void RenderJob::start(std::shared_ptr<const CompiledScene> scene, int threads,
   launch();
   set_state(State::running);
   emit progressed();
-}
-
-bool RenderJob::is_compiled() const {
-  return run_ && run_->compiled.camera;
 }
 
 void RenderJob::forget() {
@@ -250,8 +236,7 @@ void RenderJob::make_passes() {
 
 void RenderJob::show(const std::shared_ptr<Run>& run, std::shared_ptr<const LightField> field,
                      const RenderStatistics* done) {
-  constexpr int kSets = 2;  // of a compiled camera
-  const int replicates = run->compiled.camera ? kSets : run->settings().replicates;
+  const int replicates = run->settings().replicates;
   double error = -1;
   if (has_errors(*field)) {
     const LightFieldChannel& first = field->channels.front();
@@ -329,7 +314,6 @@ bool RenderJob::make_pass(const std::shared_ptr<Run>& run, const std::stop_token
   RenderResult result = render(*run->scene, settings, execution);
   if (!result.statistics.complete) {
     run->seconds = run->elapsed();
-    if (run->compiled.camera) return false;  // made at one go
     run->paused = std::move(result.film);
     run->pass_seconds = run->spent_in_pass();
     // The work since the last picture is shown, too.

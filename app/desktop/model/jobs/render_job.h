@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "model/jobs/latest_task.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/render_request.h"
 #include "plenoflame/scene/compile.h"
 
@@ -16,16 +15,9 @@ namespace plenoflame::desktop {
 /// Samples of the passes that lead up to `samples`, each several times the one before.
 std::vector<int> pass_samples(int samples, int replicates);
 
-/// A camera whose rays were found before, and the name of its file for messages.
-struct CompiledBundle {
-  std::shared_ptr<const CompiledCamera> camera;  ///< null: rays are followed
-  std::string name;
-};
-
 /// Renders in the background, coarsely first. A picture of large pixels comes first, then passes,
 /// each of which replaces the previous picture tile by tile. Every picture is one of the whole
-/// sensor. The last pass is what the command line does with the same scene, bit for bit. With a
-/// compiled camera there is one pass, which is quick.
+/// sensor. The last pass is what the command line does with the same scene, bit for bit.
 class RenderJob : public QObject {
   Q_OBJECT
  public:
@@ -58,13 +50,10 @@ class RenderJob : public QObject {
   /// Starts again. @param threads 0: one per processor
   /// @param shown a picture of the same scene and seed, of the whole sensor, to be improved; null:
   ///        none
-  /// @param compiled makes the picture in place of new rays; it belongs to the scene
   void start(std::shared_ptr<const CompiledScene> scene, int threads = 0,
-             std::shared_ptr<const LightField> shown = nullptr, CompiledBundle compiled = {});
+             std::shared_ptr<const LightField> shown = nullptr);
   /// From the next start on only the finished picture is made, and not those that lead up to it.
   void set_finished_only(bool on) { finished_only_ = on; }
-  /// True if the picture is made by a compiled camera.
-  bool is_compiled() const;
   /// Keeps the picture so far; resume() continues as without a break.
   void pause();
   void resume();

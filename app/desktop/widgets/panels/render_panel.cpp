@@ -154,19 +154,14 @@ void RenderPanel::show_status() {
       text = tr("idle");
       break;
     case State::running:
-      text = job.is_compiled() ? tr("by the compiled camera")
-                               : tr("pass %1 of %2, %3 samples")
-                                     .arg(status.pass)
-                                     .arg(status.passes)
-                                     .arg(status.samples);
+      text =
+          tr("pass %1 of %2, %3 samples").arg(status.pass).arg(status.passes).arg(status.samples);
       break;
     case State::paused:
       text = tr("paused in pass %1 of %2").arg(status.pass).arg(status.passes);
       break;
     case State::finished:
-      text = job.is_compiled()
-                 ? tr("finished, by the compiled camera")
-                 : tr("finished, %1 samples").arg(session_.document().scene().render.samples);
+      text = tr("finished, %1 samples").arg(session_.document().scene().render.samples);
       break;
     case State::failed:
       text = tr("failed");

@@ -127,9 +127,7 @@ class MainWindow : public QMainWindow {
   void show_about();
   void start_tour();
   void make_film();
-  void choose_compiled_camera();
   void choose_measured();
-  void show_compiled_camera();
   void compare_with(const QString& file);
   void select_next_type();
   void show_preferences();
@@ -178,7 +176,7 @@ class MainWindow : public QMainWindow {
   FlamePanel* flame_ = nullptr;
   ReconstructPanel* reconstruct_ = nullptr;
   QMenu* recent_menu_ = nullptr;
-  QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr, *rays_again_ = nullptr;
+  QAction *undo_ = nullptr, *redo_ = nullptr, *dark_ = nullptr;
   QLabel* pointer_label_ = nullptr;
   QToolButton* status_line_ = nullptr;
   QTimer autosave_;

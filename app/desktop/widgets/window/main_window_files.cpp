@@ -299,30 +299,6 @@ bool MainWindow::open_measured(const QString& path, const std::function<void()>&
   return true;
 }
 
-void MainWindow::choose_compiled_camera() {
-  if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
-  const QString path = chooser_.file_to_read(this, tr("Compiled camera"),
-                                             tr("Compiled cameras (*.bundle);;All files (*)"));
-  if (path.isEmpty()) return;
-  auto camera = std::make_shared<CompiledCamera>();
-  files_->add(
-      tr("reading the compiled camera"),
-      [path, camera](const Execution&) { *camera = read_bundle(path.toStdString()); },
-      [this, path, camera] {
-        guarded([&] { session_.use_compiled_camera(camera, path.toStdString()); });
-        show_compiled_camera();
-      });
-}
-
-void MainWindow::show_compiled_camera() {
-  const CompiledBundle& bundle = session_.compiled_camera();
-  rays_again_->setEnabled(bundle.camera != nullptr);
-  rays_again_->setText(bundle.camera
-                           ? tr("Follow rays again, without %1")
-                                 .arg(QFileInfo(QString::fromStdString(bundle.name)).fileName())
-                           : tr("Follow rays again"));
-}
-
 void MainWindow::export_rays() {
   const auto rays = session_.rays().rays();
   if (!rays) return fail(tr("Nothing is selected: click a pixel first."));

@@ -81,14 +81,6 @@ void MainWindow::make_menus() {
   add(render, tr("Stop"), QKeySequence("Shift+F5"), "actionStop",
       [this] { session_.render().stop(); });
   render->addSeparator();
-  add(render, tr("Use compiled camera..."), {}, "actionCompiledCamera",
-      [this] { choose_compiled_camera(); });
-  rays_again_ = add(render, tr("Follow rays again"), {}, "actionFollowRays", [this] {
-    session_.follow_rays();
-    show_compiled_camera();
-  });
-  rays_again_->setEnabled(false);
-  render->addSeparator();
   add(render, tr("Reconstruct the flame..."), {}, "actionReconstruct",
       [this] { side_->open("reconstructGroup"); });
   add(render, tr("Film of a parameter..."), {}, "actionFilm", [this] { make_film(); });

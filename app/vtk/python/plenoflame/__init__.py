@@ -27,7 +27,6 @@ from ._library import vtk
 from ._run import Error
 from ._values import Quantity
 from ._version import __version__
-from .compiled import CompiledCamera, read_bundle
 from .flame import Flame, flame_arrays, flame_from_arrays, flame_generators, import_flame, make_flame, read_flame, write_flame
 from .light_field import Export, FocusStack, LightField, Refocused, Views, export_formats, read_light_field
 from .picture import picture
@@ -36,9 +35,9 @@ from .rays import Rays
 from .reconstruction import Reconstruction, reconstruct
 from .scene import Scene
 
-__all__ = ["CompiledCamera", "Error", "Export", "Flame", "FocusStack", "LightField", "Quantity", "RayBlock", "Rays",
+__all__ = ["Error", "Export", "Flame", "FocusStack", "LightField", "Quantity", "RayBlock", "Rays",
            "Reconstruction", "Refocused", "Scene", "Views", "__version__", "export_formats", "flame_arrays",
-           "flame_from_arrays", "flame_generators", "import_flame", "make_flame", "picture", "read_bundle", "read_flame",
+           "flame_from_arrays", "flame_generators", "import_flame", "make_flame", "picture", "read_flame",
            "read_light_field", "reconstruct", "vtk", "write_flame"]
 
 for _name in __all__:

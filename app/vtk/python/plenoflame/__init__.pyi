@@ -3,7 +3,6 @@ from typing import Any
 from ._run import Error as Error
 from ._values import Quantity as Quantity
 from ._version import __version__ as __version__
-from .compiled import CompiledCamera as CompiledCamera, read_bundle as read_bundle
 from .flame import Flame as Flame, flame_arrays as flame_arrays, flame_from_arrays as flame_from_arrays
 from .flame import flame_generators as flame_generators
 from .flame import import_flame as import_flame, make_flame as make_flame

@@ -8,7 +8,6 @@ from ._arguments import refusal
 from ._library import data, library, need_vtk
 from ._run import Error, update
 from ._values import text_of, tree, value_of
-from .compiled import CompiledCamera
 from .flame import Flame, voxels_of
 from .light_field import LightField
 from .ray_blocks import ray_blocks
@@ -284,7 +283,7 @@ class Scene(_home.Shown):
         return json.loads(text)
 
     def render(self, samples=0, *, seed=-1, estimator=None, window=None, target_error=0.0, time_limit=0.0, threads=0,
-               truth=False, compiled=None, progress=None):
+               truth=False, progress=None):
         """Renders the light field.
 
         samples: rays per pixel and microlens (backward), energy bundles in all (forward); 0: as the scene says
@@ -294,8 +293,6 @@ class Scene(_home.Shown):
         target_error: relative RMSE over lit pixels at which to stop; time_limit: in seconds; 0: none
         threads: 0: one per processor; the result does not depend on it
         truth: adds layers of ground truth, such as "truth.distance"
-        compiled: a CompiledCamera, whose rays take the place of new ones; samples, seed, estimator, target_error and
-        time_limit have no place beside it, and window: None is all of its window
         progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what is there until then
 
         Returns a LightField. Raises Error.
@@ -318,14 +315,6 @@ class Scene(_home.Shown):
         source.SetTruth(bool(truth))
         if window is not None:
             source.SetWindow(*self._window_of(window))
-        if compiled is not None:
-            if not isinstance(compiled, CompiledCamera):
-                raise Error(f"compiled takes a CompiledCamera, as Scene.compile() makes, not {type(compiled).__name__}")
-            given = {"samples": samples != 0, "seed": seed != -1, "estimator": estimator is not None,
-                     "target_error": target_error != 0, "time_limit": time_limit != 0}
-            for name in (name for name, is_given in given.items() if is_given):
-                raise Error(f"{name}: a compiled camera (compiled) has its own rays; leave one of the two")
-            source.SetCompiledCamera(compiled.algorithm)
         update(source, progress, "render")
         return LightField(source.GetOutput(), relative_error=source.GetRelativeError())
 
@@ -334,42 +323,6 @@ class Scene(_home.Shown):
         if width < 1 or height < 1 or x + width > self.columns or y + height > self.rows:
             raise Error(f"window reaches beyond the sensor of {self.columns} x {self.rows} pixels")
         return x, y, width, height
-
-    def compile(self, error=0.005, *, window=None, region=None, margin=0.0, samples=0, level=0, seed=1, threads=0,
-                progress=None):
-        """Finds the camera's rays once, as `plenoflame compile` does: for pictures of many flames, render(compiled=...).
-
-        error: relative RMSE over lit pixels that pictures of a flame in layers are to have; of smoother ones it is less
-        window: (x, y, width, height) of the sensor, from the top left; None: all
-        region: box of the world [m] in which all flames will be, two corners (x, y, z); None: around the flames of the
-        scene; margin: [m] by which it grows on all sides
-        samples, level: rays per pixel and microlens from which the few are found, and how many are kept, 1 to 7; 0: as
-        error needs
-        seed: of the rays
-        threads: 0: one per processor; the rays do not depend on it
-        progress: True for a bar, or a function that is called with the fraction done; a true result stops it
-
-        Returns CompiledCamera. Raises Error.
-        """
-        camera = library.CompiledCamera()
-        camera.SetScene(self._scene)
-        if not 0 < _check.number("error", error) < 1:
-            raise Error(f"error: a share above 0 and below 1, e.g. 0.002, not {error!r}")
-        camera.SetError(error)
-        camera.SetMargin(_check.number("margin", margin, 0))
-        camera.SetSamples(_check.whole("samples", samples, 0, 65536))
-        camera.SetLevel(_check.whole("level", level, 0, 7))
-        camera.SetSeed(_check.whole("seed", seed, 0, 2 ** 63 - 1))
-        camera.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
-        if window is not None:
-            camera.SetWindow(*self._window_of(window))
-        if region is not None:
-            lower, upper = _check.several("region", region, 2, "two corners x, y, z", _corner)
-            if not all(a < b for a, b in zip(lower, upper)):
-                raise Error(f"region: the second corner must lie above the first along x, y and z, not {region!r}")
-            camera.SetRegion(lower, upper)
-        update(camera, progress, "compile")
-        return CompiledCamera(camera)
 
     def rays(self, *, pixels=(), microlenses=(), points=(), random=0, chief=False, rays=64, flame_samples=0,
              status=None, lens_type=None, most=0, seed=-1, threads=0):
@@ -488,10 +441,6 @@ class Scene(_home.Shown):
         source.SetInputDataObject(self._scene)
         source.SetResolution(_check.whole("resolution", resolution, 2, 1024))
         return Flame(update(source).GetOutput())
-
-
-def _corner(name, values):
-    return _check.several(name, values, 3, "two corners x, y, z", _check.number)
 
 
 def _scene_of(text, name, images, camera=""):

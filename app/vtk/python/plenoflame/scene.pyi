@@ -3,7 +3,6 @@ from typing import Any, Iterable, Iterator, Optional, Sequence, Union
 
 from ._home import Shown
 from ._run import Progress
-from .compiled import CompiledCamera
 from .flame import Flame
 from .light_field import LightField
 from .operators import Operator
@@ -55,12 +54,7 @@ class Scene(Shown):
     def render(self, samples: int = ..., *, seed: int = ..., estimator: Optional[str] = ...,
                window: Optional[tuple[int, int, int, int]] = ..., target_error: float = ..., time_limit: float = ...,
                threads: int = ...,
-               truth: bool = ..., compiled: Optional[CompiledCamera] = ...,
-               progress: Optional[Progress] = ...) -> LightField: ...
-    def compile(self, error: float = ..., *, window: Optional[tuple[int, int, int, int]] = ...,
-                region: Optional[tuple[Sequence[float], Sequence[float]]] = ..., margin: float = ..., samples: int = ...,
-                level: int = ..., seed: int = ..., threads: int = ...,
-                progress: Optional[Progress] = ...) -> CompiledCamera: ...
+               truth: bool = ..., progress: Optional[Progress] = ...) -> LightField: ...
     def rays(self, *, pixels: Iterable[tuple[int, int]] = ..., microlenses: Iterable[tuple[int, int]] = ...,
              points: Iterable[tuple[float, float, float]] = ..., random: int = ..., chief: bool = ..., rays: int = ...,
              flame_samples: int = ..., status: Union[None, str, Iterable[str]] = ..., lens_type: Optional[int] = ...,

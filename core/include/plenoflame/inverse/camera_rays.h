@@ -3,13 +3,11 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/math/vector.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/scene/compile.h"
 
 namespace plenoflame {
@@ -17,10 +15,7 @@ namespace plenoflame {
 /// A camera whose pixels are rows of the linear problem.
 struct CameraView {
   const CompiledScene* scene = nullptr;
-  PixelWindow window;  ///< requested pixels; width 0: the whole sensor, or all compiled ones
-  /// The rays that it keeps take the place of drawn ones; its two sets are replicates.
-  const CompiledCamera* compiled = nullptr;
-  std::string compiled_name = {};  ///< for messages
+  PixelWindow window;  ///< requested pixels; width 0: the whole sensor
 };
 
 /// The pixels that are meant.
@@ -136,11 +131,10 @@ class RowRays {
 };
 
 /// Draws the rays of the backward estimator with these samples and this seed, and keeps those that
-/// meet the box. A compiled camera gives all of its own rays that meet the box. Blocks of pixels
-/// that reach beyond the window are skipped. The result does not depend on the number of threads.
+/// meet the box. Blocks of pixels that reach beyond the window are skipped. The result does not
+/// depend on the number of threads.
 /// @throws UsageError for settings that render() rejects, a bin below 1, cells of a camera without
-///         microlenses, a window that a compiled camera does not hold
-/// @throws InputError as check_compiled(), and where the box reaches beyond its region
+///         microlenses
 /// @throws Cancelled
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution = {});

@@ -19,8 +19,7 @@ bool shines_without_flames(const CompiledScene& scene);
 /// that miss the unknowns. The same for any number of threads.
 /// Behind windows that bend rays the light of a stretch is weakened in that stretch only.
 /// @param absorption [1/m] of each unknown; empty: none
-/// @throws InputError for a compiled camera, which keeps the rays through a block only @throws
-/// Cancelled
+/// @throws Cancelled
 std::vector<double> light_behind(const std::vector<CameraView>& views, const CameraRays& rays,
                                  const Unknowns& unknowns, const std::vector<double>& absorption,
                                  const CameraRaySettings& settings, const Execution& execution);

@@ -5,8 +5,6 @@
 
 namespace plenoflame {
 
-struct CompiledCamera;
-
 /// First bytes of the messages between render() and the other ranks (RenderSettings::ranks).
 /// Messages for other purposes begin with other letters.
 namespace rank_message {
@@ -18,11 +16,10 @@ inline constexpr char kFailed = 'F';  ///< to rank 0: an error message; ends the
 /// The work of a rank above 0 in a rendering: it traces the tiles that rank 0 hands out, until the
 /// rendering ends.
 /// @param scene compiled from the same scene as on rank 0
-/// @param camera the compiled camera of the rendering; nullptr: none
 /// @param begin message that begins with kRender
 /// @return false when kQuit came
-bool serve_render(const CompiledScene& scene, const CompiledCamera* camera,
-                  const RankMessage& begin, Communicator& ranks, const Execution& execution);
+bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,
+                  const Execution& execution);
 
 /// Waits for the next message without using processor time.
 RankMessage wait_for_message(Communicator& ranks);

@@ -28,8 +28,6 @@ inline constexpr int kForwardReplicates = 4;
 inline constexpr int kMostSamples = 1 << 16;  ///< limit of samples for a target error
 inline constexpr int kMostBundles = 1 << 30;  ///< limit of bundles for a target error
 
-struct CompiledCamera;
-
 /// Settings of a rendering. Values that are 0 take their default.
 struct RenderSettings {
   Estimator estimator = Estimator::backward;
@@ -57,10 +55,6 @@ struct RenderSettings {
   bool keep_sums = false;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
-  /// Compiled rays (compiled_camera.h) that render() uses in place of new ones. Samples,
-  /// replicates, seed, target and limit then come from the compiled camera. nullptr: none.
-  std::shared_ptr<const CompiledCamera> compiled;
-  std::string compiled_name = "the compiled camera";  ///< for messages
   /// A film of the same scene and settings to continue from, with the same result as without a
   /// break. A film with finished tiles (see keep_sums) requires a fixed number of samples and must
   /// be incomplete.

@@ -166,48 +166,6 @@ class Blocks {
 /// Takes a ray of a tile; called from several threads, for different tiles.
 using TakeRay = std::function<void(std::size_t tile, const DrawnRay& drawn)>;
 
-/// Hands out the rays that a compiled camera keeps.
-void unpack(const CameraView& view, const Blocks& blocks, const Box& box, int channel,
-            const Execution& execution, const TakeRay& take) {
-  const CompiledCamera& camera = *view.compiled;
-  const RayShares shares(*view.scene, static_cast<std::size_t>(channel));
-  const Vec3 middle = 0.5 * (box.lower + box.upper);
-  const double reach = length(box.upper - box.lower);
-  const PixelWindow& window = blocks.window();
-  const Film film(camera.window, 1, 1);
-  const auto task = [&](std::size_t t, int) {
-    const PixelWindow tile = film.tile(static_cast<int>(t));
-    if (tile.x >= window.x + window.width || tile.x + tile.width <= window.x ||
-        tile.y >= window.y + window.height || tile.y + tile.height <= window.y)
-      return;
-    for (const CompiledRay& kept : rays_of_tile(*view.scene, camera, t, view.compiled_name)) {
-      if (kept.column < window.x || kept.column >= window.x + window.width || kept.row < window.y ||
-          kept.row >= window.y + window.height)
-        continue;
-      const std::size_t place = blocks.place(kept.column, kept.row);
-      const double share = shares.of(kept.path, kept.part);
-      if (!(share * kept.weight > 0) || place >= blocks.places()) continue;
-      CameraRay ray;
-      ray.direction = kept.direction;
-      // Lines begin in front of the box: compiled cameras see nothing else.
-      ray.origin = kept.place - (dot(kept.place - middle, kept.direction) + reach) * kept.direction;
-      ray.weight = share * kept.weight;
-      ray.end = std::numeric_limits<double>::infinity();
-      ray.replicate = kept.set;
-      ray.part = kept.part;
-      if (meets(box, ray)) take(t, {place, ray});
-    }
-  };
-  if (!parallel_for(execution, camera.tiles.size(), task)) throw Cancelled();
-}
-
-/// That a compiled camera belongs to the scene, and sees all of the box and of the window.
-void check_view(const CameraView& view, const PixelWindow& window, const Box& box) {
-  check_compiled(*view.scene, *view.compiled, view.compiled_name);
-  check_compiled_window(*view.compiled, window, view.compiled_name);
-  check_region(*view.compiled, box, "the grid of the unknowns", view.compiled_name);
-}
-
 /// Hands out rays of one camera. The order of a tile's rays does not depend on threads; the order
 /// of a pixel's rays does not depend on the window either.
 void draw(const CompiledScene& scene, const Blocks& blocks, const Box& box,
@@ -245,9 +203,7 @@ std::size_t add_rows(const CameraView& view, int number, const Box& box,
                      CameraRays& result) {
   const std::size_t first = result.ray_count();
   const Blocks blocks(view, settings);
-  const std::size_t tiles =
-      view.compiled ? view.compiled->tiles.size()
-                    : static_cast<std::size_t>(Film(blocks.window(), 1, 1).tile_count());
+  const std::size_t tiles = static_cast<std::size_t>(Film(blocks.window(), 1, 1).tile_count());
   std::vector<std::vector<DrawnRay>> groups(settings.keep ? tiles : 0);
   std::vector<std::size_t> begin(blocks.places() + 1, 0);
   const auto take = [&](std::size_t tile, const DrawnRay& drawn) {
@@ -256,10 +212,7 @@ std::size_t add_rows(const CameraView& view, int number, const Box& box,
     else
       ++begin[drawn.place + 1];  // all rays of a pixel are of the same tile
   };
-  if (view.compiled)
-    unpack(view, blocks, box, settings.channel, execution, take);
-  else
-    draw(*view.scene, blocks, box, settings, execution, take);
+  draw(*view.scene, blocks, box, settings, execution, take);
   // Rays are put in order by place, and at a place in the order of the groups.
   for (const auto& group : groups)
     for (const DrawnRay& drawn : group) ++begin[drawn.place + 1];
@@ -297,7 +250,6 @@ std::size_t CameraRays::ray_count() const {
 
 PixelWindow window_of(const CameraView& view) {
   if (view.window.width != 0) return view.window;
-  if (view.compiled) return view.compiled->window;
   const SensorSpec& sensor = view.scene->scene.camera.sensor;
   return {0, 0, sensor.columns, sensor.rows};
 }
@@ -363,10 +315,8 @@ CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box
   CameraRays result;
   const auto source = std::make_shared<RaySource>();
   if (!settings.keep) result.source = source;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    if (views[v].compiled) check_view(views[v], window_of(views[v]), box);
+  for (std::size_t v = 0; v < views.size(); ++v)
     source->rays += add_rows(views[v], static_cast<int>(v), box, settings, execution, result);
-  }
   if (settings.keep) return result;
   *source = {box, settings, source->rays, {}, {}, {}};
   source->settings.keep = true;
@@ -394,9 +344,8 @@ double estimated_rays(const std::vector<CameraView>& views, const Box& box,
   few.samples = std::min(settings.samples, kCountedSamples * settings.replicates);
   double rays = 0;
   for (const CameraView& view : views)
-    rays += static_cast<double>(counted_camera_rays({view}, box, few, execution).ray_count()) *
-            (view.compiled ? 1 : settings.samples / static_cast<double>(few.samples));
-  return rays;
+    rays += static_cast<double>(counted_camera_rays({view}, box, few, execution).ray_count());
+  return rays * settings.samples / few.samples;
 }
 
 CameraRaySettings kept_or_drawn(OperatorForm form, const std::vector<CameraView>& views,
@@ -407,9 +356,8 @@ CameraRaySettings kept_or_drawn(OperatorForm form, const std::vector<CameraView>
   const double room = available_memory() / (form == OperatorForm::automatic ? 2 : 1);
   double most = 0;
   for (const CameraView& view : views)
-    if (!view.compiled)
-      most += kBytesOfRay * kMostLenses * settings.samples * window_of(view).width *
-              static_cast<double>(window_of(view).height);
+    most += kBytesOfRay * kMostLenses * settings.samples * window_of(view).width *
+            static_cast<double>(window_of(view).height);
   if (most <= room) return settings;
   const double rays = estimated_rays(views, box, settings, execution);  // there may be too many
   if (form == OperatorForm::automatic)

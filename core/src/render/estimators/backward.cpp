@@ -95,6 +95,26 @@ class Tracer {
   WorkCounters counters_;  ///< counts of earlier tracers
 };
 
+/// Runs jobs with all threads of an execution until none is left, one throws, or a stop is
+/// requested.
+void run_jobs(const NextTile& next, const Execution& execution,
+              const std::function<void(const TileJob& job, int worker)>& run) {
+  std::atomic<bool> failed{false};
+  parallel_for(execution, static_cast<std::size_t>(execution.thread_count()),
+               [&](std::size_t, int worker) {
+                 try {
+                   while (!failed && !execution.stop.stop_requested()) {
+                     const std::optional<TileJob> job = next();
+                     if (!job) return;
+                     run(*job, worker);
+                   }
+                 } catch (...) {
+                   failed = true;
+                   throw;
+                 }
+               });
+}
+
 template <class Real>
 void run_plans(const std::vector<PathPlans<Real>>& plans, const NextTile& next,
                const Execution& execution, Film& film, RenderStatistics& statistics,
@@ -213,6 +233,10 @@ void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
   }
 }
 
+namespace {
+
+/// Tells whether single precision is accurate enough. The rounding of a ray over the distance to
+/// the medium must be well below the size of the medium's features.
 bool single_precision_suffices(const CompiledScene& scene) {
   const auto fine = [&](const Box& box, double feature_size) {
     if (box.empty()) return true;
@@ -224,8 +248,6 @@ bool single_precision_suffices(const CompiledScene& scene) {
   return (!scene.medium || fine(scene.medium->bounds(), scene.medium->feature_size())) &&
          (!scene.surfaces || fine(scene.surfaces->bounds(), scene.surfaces->feature_size()));
 }
-
-namespace {
 
 bool in_single_precision(const CompiledScene& scene, const RenderSettings& settings) {
   return settings.precision == Precision::single_precision ||
@@ -270,24 +292,6 @@ BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings&
     shared.table = make_radiance_table(path, settings, shared.behind_windows.get());
     shared.light = PathLight(path, settings, execution);
   }
-}
-
-void run_jobs(const NextTile& next, const Execution& execution,
-              const std::function<void(const TileJob& job, int worker)>& run) {
-  std::atomic<bool> failed{false};
-  parallel_for(execution, static_cast<std::size_t>(execution.thread_count()),
-               [&](std::size_t, int worker) {
-                 try {
-                   while (!failed && !execution.stop.stop_requested()) {
-                     const std::optional<TileJob> job = next();
-                     if (!job) return;
-                     run(*job, worker);
-                   }
-                 } catch (...) {
-                   failed = true;
-                   throw;
-                 }
-               });
 }
 
 template <class Real>
@@ -348,12 +352,6 @@ bool BackwardPass::run(const std::vector<TileJob>& jobs, const Execution& execut
       },
       execution, film, statistics, tile_done);
   return next.load() >= jobs.size();
-}
-
-TileWork BackwardPass::work() const {
-  return [this](const NextTile& next, const Execution& execution, Film& film,
-                RenderStatistics& statistics,
-                const TileDone& tile_done) { run(next, execution, film, statistics, tile_done); };
 }
 
 void BackwardPass::run(const NextTile& next, const Execution& execution, Film& film,

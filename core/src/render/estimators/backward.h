@@ -49,16 +49,6 @@ using TileDone = std::function<void(const TileJob& job, double rays)>;
 /// Gives a thread its next tile; none: all are done. Called from several threads.
 using NextTile = std::function<std::optional<TileJob>()>;
 
-/// Adds tiles to a film and adds up statistics, with all threads of an execution, until no tile is
-/// left.
-using TileWork = std::function<void(const NextTile& next, const Execution& execution, Film& film,
-                                    RenderStatistics& statistics, const TileDone& tile_done)>;
-
-/// Runs jobs with all threads of an execution until none is left, one throws, or a stop is
-/// requested. @param run gets the number of its worker too
-void run_jobs(const NextTile& next, const Execution& execution,
-              const std::function<void(const TileJob& job, int worker)>& run);
-
 /// A pass of the estimator. The constructor computes the data that all tiles share. Keeps
 /// references to scene and settings.
 class BackwardPass {
@@ -83,8 +73,6 @@ class BackwardPass {
   /// in work.
   void run(const NextTile& next, const Execution& execution, Film& film,
            RenderStatistics& statistics, const TileDone& tile_done) const;
-  /// The second run() as a function, valid as long as the pass.
-  TileWork work() const;
 
  private:
   template <class Real>
@@ -103,9 +91,5 @@ class BackwardPass {
 /// miss the flame, into the statistics.
 void count_lenses(const CompiledScene& scene, const BackwardShared& shared,
                   const PixelWindow& window, RenderStatistics& statistics);
-
-/// Tells whether single precision is accurate enough. The rounding of a ray over the distance to
-/// the medium must be well below the size of the medium's features.
-bool single_precision_suffices(const CompiledScene& scene);
 
 }  // namespace plenoflame

@@ -39,8 +39,7 @@ bool is_dark(const Image& image, const PixelWindow& tile, const PixelWindow& win
 }
 
 /// Adds a moment's picture to the sums over moments (ExposureState::sums).
-/// @param together moments use the same rays, so that their errors add up linearly
-void add(const LightField& picture, double share, bool together, Film& sums) {
+void add(const LightField& picture, double share, Film& sums) {
   const std::size_t channels = picture.channels.size();
   const bool errors = !picture.channels.front().standard_error.empty();
   if (sums.channels() == 0)
@@ -65,13 +64,7 @@ void add(const LightField& picture, double share, bool together, Film& sums) {
         if (!errors) return;
         for (std::size_t i = 0; i < width; ++i) {
           const double error = share * static_cast<double>(channel.standard_error.pixels[at + i]);
-          double& variance = variances[to + i];
-          if (together) {
-            const double sum = std::sqrt(variance) + error;
-            variance = sum * sum;
-          } else {
-            variance += error * error;
-          }
+          variances[to + i] += error * error;
         }
       });
     }
@@ -229,7 +222,7 @@ class Exposure {
   /// Adds a completed moment.
   void take(RenderResult& one) {
     ExposureProgress& progress = state_.progress;
-    add(one.light_field, moments_[progress.done].share, settings_.compiled != nullptr, state_.sums);
+    add(one.light_field, moments_[progress.done].share, state_.sums);
     progress.samples += one.light_field.samples;
     progress.reached = progress.reached && one.statistics.target_reached;
     progress.complete = progress.complete && one.statistics.complete;

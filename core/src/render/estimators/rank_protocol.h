@@ -22,7 +22,6 @@ struct RankSettings {
   std::uint64_t seed;
   PixelWindow window;
   bool skip, control_variate;
-  bool compiled;  ///< with a compiled camera
   Precision precision;
   Isa isa;
 };

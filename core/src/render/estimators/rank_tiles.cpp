@@ -56,8 +56,7 @@ RankTiles::RankTiles(Communicator& ranks, const RenderSettings& settings, std::s
     : ranks_(ranks), stop_(std::move(stop)), others_(static_cast<std::size_t>(ranks.size())) {
   std::string bytes(1, rank_message::kRender);
   put(bytes, RankSettings{settings.replicates, settings.seed, settings.window, settings.skip,
-                          settings.control_variate, settings.compiled != nullptr,
-                          settings.precision, settings.isa});
+                          settings.control_variate, settings.precision, settings.isa});
   send_all(bytes);
 }
 
@@ -158,7 +157,7 @@ void RankTiles::serve(Queue& queue, const Execution& execution, Film& film,
   }
 }
 
-bool RankTiles::run(const TileWork& work, const std::vector<TileJob>& jobs,
+bool RankTiles::run(const BackwardPass& pass, const std::vector<TileJob>& jobs,
                     const Execution& execution, Film& film, RenderStatistics& statistics,
                     const TileDone& tile_done) {
   own_threads_ = execution.thread_count();
@@ -178,7 +177,7 @@ bool RankTiles::run(const TileWork& work, const std::vector<TileJob>& jobs,
     }
   });
   try {
-    work([&] { return queue.next(); }, execution, film, statistics, done_alone);
+    pass.run([&] { return queue.next(); }, execution, film, statistics, done_alone);
   } catch (...) {
     queue.close();
     service.join();

@@ -27,8 +27,8 @@ class RankTiles {
 
   /// Starts the same pass on the other ranks. @param ranges of the pass's points, also in run()
   void begin_pass(const std::vector<PointRange>& ranges);
-  /// Does the work with the other ranks' help. @throws Error when one of them fails
-  bool run(const TileWork& work, const std::vector<TileJob>& jobs, const Execution& execution,
+  /// Traces the jobs of the pass with the other ranks' help. @throws Error when one of them fails
+  bool run(const BackwardPass& pass, const std::vector<TileJob>& jobs, const Execution& execution,
            Film& film, RenderStatistics& statistics, const TileDone& tile_done);
   /// Adds the counts of the other ranks, and their number.
   void end_pass(RenderStatistics& statistics);
@@ -50,7 +50,6 @@ class RankTiles {
   Communicator& ranks_;
   std::stop_token stop_;
   std::vector<Rank> others_;        ///< by rank; the entry of rank 0 is unused
-  std::vector<TileJob> out_;        ///< tiles in work on other ranks
   std::vector<PointRange> ranges_;  ///< of the pass
   int own_threads_ = 1;
 };

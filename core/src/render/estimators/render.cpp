@@ -10,12 +10,10 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/reopened.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "render/estimators/backward.h"
 #include "render/estimators/rounds.h"
 #include "render/forward/forward.h"
 #include "render/run/check_settings.h"
-#include "render/run/finish_picture.h"
 #include "render/run/run_control.h"
 #include "render/transport/scene_medium.h"
 
@@ -48,10 +46,6 @@ std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettin
   return list;
 }
 
-}  // namespace
-
-namespace {
-
 /// Tells whether the settings need more samples, or the sums, of tiles that are finished.
 bool takes_more(const Film& film, const RenderSettings& settings) {
   if (!film.has_finished_tiles()) return false;
@@ -61,8 +55,7 @@ bool takes_more(const Film& film, const RenderSettings& settings) {
   return false;
 }
 
-}  // namespace
-
+/// Statistics before any work is done.
 void begin_statistics(const CompiledScene& scene, const RenderSettings& settings,
                       const Execution& execution, RenderStatistics& statistics) {
   const PixelWindow window = window_of(settings, scene.scene.camera.sensor);
@@ -78,6 +71,8 @@ void begin_statistics(const CompiledScene& scene, const RenderSettings& settings
   if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();
 }
 
+/// Makes the light field of a film, with its statistics and warnings. If statistics.complete is
+/// set, the images are taken out of the film.
 void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution, RenderResult& result) {
   const SensorSpec& sensor = scene.scene.camera.sensor;
@@ -134,6 +129,8 @@ void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
   field.complete = statistics.complete;
 }
 
+}  // namespace
+
 bool has_fixed_samples(const RenderSettings& settings) {
   return settings.estimator == Estimator::backward && settings.target_error <= 0 &&
          settings.time_limit <= 0;
@@ -141,8 +138,6 @@ bool has_fixed_samples(const RenderSettings& settings) {
 
 RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution) {
-  if (settings.compiled)
-    return render_compiled(scene, *settings.compiled, settings, execution, settings.compiled_name);
   const auto start = std::chrono::steady_clock::now();
   const SensorSpec& sensor = scene.scene.camera.sensor;
   check_settings(settings, sensor);

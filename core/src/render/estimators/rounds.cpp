@@ -109,7 +109,7 @@ bool run_in_batches(const BackwardPass& pass, const std::vector<PointRange>& ran
     const std::vector<TileJob> part(begin, begin + static_cast<std::ptrdiff_t>(count));
     const auto start = std::chrono::steady_clock::now();
     const bool finished =
-        run.ranks ? run.ranks->run(pass.work(), part, run.limited, run.film, run.statistics, tell)
+        run.ranks ? run.ranks->run(pass, part, run.limited, run.film, run.statistics, tell)
                   : pass.run(part, run.limited, run.film, run.statistics, tell);
     if (!finished) return false;
     batches.learn(count, seconds_since(start));
