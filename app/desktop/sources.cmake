@@ -24,6 +24,7 @@ set(desktop_model_sources
   model/scene_changes.cpp
   model/jobs/scene_compiler.cpp
   model/scene_target.cpp
+  model/scene_values.cpp
   model/schematic.cpp
   model/session.cpp
   model/undo_history.cpp)

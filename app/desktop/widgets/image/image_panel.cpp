@@ -158,13 +158,12 @@ void ImagePanel::request() {
   const unsigned number = ++newest_;
   if (!field || field->channels.empty()) {
     task_.cancel();
-    pyramid_ = flux_pyramid_ = nullptr;
-    colours_ = nullptr;
     shown_ = number;
-    show_picture();
-    histogram_plot_->set_series({});
-    emit pyramid_changed();
-    return;
+    if (fits_camera()) {  // something is seen until there is a picture of the present scene
+      left_over_ = true;
+      return;
+    }
+    return drop_picture();
   }
   QStringList names;
   for (const LightFieldChannel& channel : field->channels)
@@ -222,6 +221,7 @@ void ImagePanel::request() {
       post(this, [this, number, flux, shown, white, saturation, counts, seen] {
         if (number != newest_) return;
         shown_ = number;
+        left_over_ = false;
         flux_pyramid_ = flux;
         pyramid_ = shown;
         colours_ = seen;
@@ -234,6 +234,26 @@ void ImagePanel::request() {
     } catch (const std::exception&) {  // stopped, or an image that is replaced soon
     }
   });
+}
+
+/// True if what is shown has the pixels of the document's camera.
+bool ImagePanel::fits_camera() const {
+  if (!pyramid_ || document_.is_empty()) return false;
+  const SensorSpec& sensor = document_.camera().sensor;
+  return pyramid_->width() == sensor.columns && pyramid_->height() == sensor.rows;
+}
+
+void ImagePanel::drop_left_over() {
+  if (left_over_) drop_picture();
+}
+
+void ImagePanel::drop_picture() {
+  left_over_ = false;
+  pyramid_ = flux_pyramid_ = nullptr;
+  colours_ = nullptr;
+  show_picture();
+  histogram_plot_->set_series({});
+  emit pyramid_changed();
 }
 
 QImage ImagePanel::poster(const QSize& size, const QColor& background, double& metres) const {

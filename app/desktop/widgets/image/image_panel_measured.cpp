@@ -68,6 +68,7 @@ void ImagePanel::make_choice_of_picture(QWidget* tools, QLayout* flow) {
         static_cast<int>(measured_.field() ? Picture::measured : Picture::simulated));
     request_measured();
   });
+  connect(&measured_, &MeasuredPicture::renewed, this, &ImagePanel::request_measured);
   connect(&measured_, &MeasuredPicture::registration_changed, this, [this] {
     registration_->setText(measured_.registration_text());
     registration_->setVisible(!measured_.registration_text().isEmpty());
