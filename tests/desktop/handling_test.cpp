@@ -5,6 +5,7 @@
 #include <QLabel>
 #include <QMessageBox>
 #include <QPushButton>
+#include <QScreen>
 #include <QSlider>
 #include <QTextBrowser>
 #include <QTreeView>
@@ -68,6 +69,43 @@ class HandlingTest : public test::SceneFixture {
     place_flame("1.7 m, 0.1 m, 0 m");
     QVERIFY(flame_is_seen());
     QVERIFY(std::fabs(view().view_height() / height - 1) < 1e-6);
+  }
+
+  // As it stands on the screen: a picture that the view makes of itself would draw it anew.
+  void flameIsWholeAfterWalksThroughTheParts() {
+    window_->resize(1366, 768);
+    QVERIFY(open_example("lenslets-30"));
+    const auto click = [this](const char* name) {
+      for (auto* button : window_->findChildren<QToolButton*>())
+        if (button->defaultAction() == child<QAction>(name))
+          QTest::mouseClick(button, Qt::LeftButton);
+      QVERIFY(settled());
+      QTest::qWait(300);
+    };
+    const auto seen = [this] {
+      const QWidget* const space = child<QWidget>("scene3d");
+      const QPoint corner = space->mapToGlobal(QPoint(0, 0));
+      return QGuiApplication::primaryScreen()
+          ->grabWindow(0, corner.x(), corner.y(), space->width(), space->height())
+          .toImage();
+    };
+    auto* const drawing = child<QComboBox>("flameDrawing");
+    for (int way = 0; way < 3; ++way) {
+      click("viewFlame");
+      const QImage near = seen();
+      click("viewScene");
+      const QImage whole = seen();
+      QVERIFY(test::difference(near, whole) > 0.01);
+      click("viewFlame");
+      QVERIFY2(test::difference(near, seen()) < 1e-3, qPrintable(QString::number(way)));
+      click("viewScene");
+      QVERIFY2(test::difference(whole, seen()) < 1e-3, qPrintable(QString::number(way)));
+      // The same as a picture that is drawn anew.
+      QImage anew = view().picture();
+      QVERIFY2(test::difference(whole, anew.convertToFormat(whole.format())) < 5e-3,
+               qPrintable(QString("%1 %2").arg(way).arg(test::difference(whole, anew))));
+      QTest::keyClick(drawing, Qt::Key_Down);
+    }
   }
 
   void vectorsAreEditedByTheirComponents() {

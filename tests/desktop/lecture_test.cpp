@@ -282,6 +282,18 @@ class LectureTest : public test::SceneFixture {
       QVERIFY(child<QLabel>("tourText")->text().contains(QString("%1 of 10").arg(step + 1)));
       QCOMPARE(selection().kind == Selection::Kind::pixel, step == 6);
       QCOMPARE(selection().kind == Selection::Kind::point, step == 7);
+      // The tour stands beside what it explains.
+      const auto on_screen = [](const QWidget* widget) {
+        return QRect(widget->mapToGlobal(QPoint(0, 0)), widget->size());
+      };
+      for (const char* name : {"raysTable", "sceneTree", "scene3d", "rawImage"}) {
+        const auto* const shown = child<QWidget>(name);
+        if (!shown->isVisible() || shown->visibleRegion().isEmpty()) continue;
+        const QRect seen =
+            shown->visibleRegion().boundingRect().translated(shown->mapToGlobal(QPoint(0, 0)));
+        QVERIFY2(!seen.intersects(on_screen(tour)), name);
+      }
+      if (step == 6) QVERIFY(!child<QWidget>("raysTable")->visibleRegion().isEmpty());
       if (step == 6)
         QVERIFY(session().rays().rays() && !session().rays().rays()->paths.rays.empty());
       if (!folder.isEmpty())

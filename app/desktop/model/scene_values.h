@@ -15,8 +15,9 @@ const SchemaKey* find_value(std::string_view path);
 /// Every path that a scene has values for, in the order of files.
 std::vector<std::string> value_paths(const Scene& scene);
 
-/// The value as text with a unit; that of an f-number has four digits, and is empty where the lens
-/// has none. @throws InputError as get_text()
+/// The value as text with a unit. An f-number has four digits; a lens without one has an empty
+/// text.
+/// @throws InputError as get_text()
 std::string value_text(const Scene& scene, const std::string& path);
 
 /// An f-number sets the diameter of the stop, wider than before as well. @throws InputError as

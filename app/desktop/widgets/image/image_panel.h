@@ -14,7 +14,6 @@
 class QAction;
 class QComboBox;
 class QLabel;
-class QLayout;
 class QLineEdit;
 
 namespace plenoflame::desktop {
@@ -23,6 +22,7 @@ namespace plenoflame::desktop {
 Dimension dimension_of(const LightField& field);
 
 class PlotWidget;
+class ToolRow;
 
 /// The raw light field with everything about how it is shown.
 class ImagePanel : public QWidget {
@@ -73,7 +73,7 @@ class ImagePanel : public QWidget {
   void apply_tone();
   void update_profile();
   void show_histogram(const Histogram& counts);
-  void make_choice_of_picture(QWidget* tools, QLayout* flow);
+  void make_choice_of_picture(ToolRow& tools);
   void request_measured();
   void show_picture();
   double measured_white() const;

@@ -25,7 +25,7 @@ class ImageView : public QWidget {
  public:
   explicit ImageView(QWidget* parent = nullptr);
 
-  /// What is seen of the image, without the ground around it.
+  /// The part of the image that is seen, without the ground around it.
   QImage drawn();
   /// Null: nothing. The part that is shown stays when the size does.
   void set_image(std::shared_ptr<const ImagePyramid> image);
