@@ -24,6 +24,7 @@ set(desktop_model_sources
   model/scene_changes.cpp
   model/jobs/scene_compiler.cpp
   model/scene_target.cpp
+  model/scene_values.cpp
   model/schematic.cpp
   model/session.cpp
   model/undo_history.cpp)
@@ -77,6 +78,7 @@ set(desktop_widget_sources
   widgets/scene/section_view.cpp
   widgets/controls/theme.cpp
   widgets/controls/time_bar.cpp
+  widgets/controls/tool_row.cpp
   widgets/window/tour_dialog.cpp
   widgets/window/view_commands.cpp
   widgets/window/welcome_page.cpp)

@@ -5,6 +5,7 @@
 #include <QLabel>
 #include <QMessageBox>
 #include <QPushButton>
+#include <QScreen>
 #include <QSlider>
 #include <QTextBrowser>
 #include <QTreeView>
@@ -13,6 +14,7 @@
 #include "gui_tests.h"
 #include "plenoflame/scene/scene_file.h"
 #include "scene_fixture.h"
+#include "scenes.h"
 #include "widgets/panels/scene_panel.h"
 #include "widgets/window/help_window.h"
 
@@ -69,6 +71,43 @@ class HandlingTest : public test::SceneFixture {
     QVERIFY(std::fabs(view().view_height() / height - 1) < 1e-6);
   }
 
+  // As it stands on the screen: a picture that the view makes of itself would draw it anew.
+  void flameIsWholeAfterWalksThroughTheParts() {
+    window_->resize(1366, 768);
+    QVERIFY(open_example("lenslets-30"));
+    const auto click = [this](const char* name) {
+      for (auto* button : window_->findChildren<QToolButton*>())
+        if (button->defaultAction() == child<QAction>(name))
+          QTest::mouseClick(button, Qt::LeftButton);
+      QVERIFY(settled());
+      QTest::qWait(300);
+    };
+    const auto seen = [this] {
+      const QWidget* const space = child<QWidget>("scene3d");
+      const QPoint corner = space->mapToGlobal(QPoint(0, 0));
+      return QGuiApplication::primaryScreen()
+          ->grabWindow(0, corner.x(), corner.y(), space->width(), space->height())
+          .toImage();
+    };
+    auto* const drawing = child<QComboBox>("flameDrawing");
+    for (int way = 0; way < 3; ++way) {
+      click("viewFlame");
+      const QImage near = seen();
+      click("viewScene");
+      const QImage whole = seen();
+      QVERIFY(test::difference(near, whole) > 0.01);
+      click("viewFlame");
+      QVERIFY2(test::difference(near, seen()) < 1e-3, qPrintable(QString::number(way)));
+      click("viewScene");
+      QVERIFY2(test::difference(whole, seen()) < 1e-3, qPrintable(QString::number(way)));
+      // The same as a picture that is drawn anew.
+      QImage anew = view().picture();
+      QVERIFY2(test::difference(whole, anew.convertToFormat(whole.format())) < 5e-3,
+               qPrintable(QString("%1 %2").arg(way).arg(test::difference(whole, anew))));
+      QTest::keyClick(drawing, Qt::Key_Down);
+    }
+  }
+
   void vectorsAreEditedByTheirComponents() {
     QVERIFY(open_example("lenslets-30"));
     const Vec3 before = position();
@@ -97,6 +136,82 @@ class HandlingTest : public test::SceneFixture {
              QString("3 kg"));
     QVERIFY(model().find("flames[0].position.z").data(ParameterModel::kIsErrorRole).toBool());
     QCOMPARE(position().z, before.z);
+  }
+
+  // The f-number is not kept in a scene, but in its stop. Reference: the file that sets it.
+  void fNumberStandsInTheTree() {
+    const auto with = [](const char* number) {
+      return QByteArray(test::small_scene_text().c_str()) +
+             "\n[camera.lens]\nf_number = " + number + "\n";
+    };
+    write(file("eight.toml"), with("8"));
+    write(file("five.toml"), with("5.6"));
+    const auto stop = [](const Scene& scene) {
+      for (const SurfaceSpec& surface : scene.camera.lens.surfaces)
+        if (surface.stop) return surface.diameter;
+      return 0.0;
+    };
+    const double wide = stop(read_scene_file(file("five.toml").toStdString()).scene);
+    QVERIFY(window_->open(file("eight.toml")));
+    QVERIFY(settled());
+    const auto shown = [this] {
+      return model().find("camera.lens.f_number", ParameterModel::kValue).data().toString();
+    };
+    QCOMPARE(shown(), QString("8"));
+    const double narrow = stop(session().document().scene());
+    type("camera.lens.f_number", "5.6");  // wider than in the file, but not than the glass
+    QVERIFY2(std::fabs(stop(session().document().scene()) / wide - 1) < 1e-12,
+             qPrintable(QString::number(stop(session().document().scene()))));
+    QVERIFY(wide > 1.3 * narrow);
+    QCOMPARE(shown(), QString("5.6"));
+    QVERIFY(model().find("camera.lens.f_number").data(ParameterModel::kMessageRole).isNull() ||
+            model().find("camera.lens.f_number").data(ParameterModel::kMessageRole) == QString());
+    for (const char* wrong : {"0", "-4", "4 mm", "wide"}) {
+      type("camera.lens.f_number", wrong);
+      QVERIFY2(model().find("camera.lens.f_number").data(ParameterModel::kIsErrorRole).toBool(),
+               wrong);
+      press(Qt::Key_Z, Qt::ControlModifier);
+      QCOMPARE(shown(), QString("5.6"));
+    }
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QCOMPARE(stop(session().document().scene()), narrow);
+    QCOMPARE(shown(), QString("8"));
+    // It follows the stop, and the slider moves both.
+    auto* const slider = child<QSlider>("parameterSlider");
+    window_->scene_panel().reveal("camera.lens.f_number");
+    QVERIFY(slider->isEnabled());
+    QTest::keyClick(slider, Qt::Key_PageUp);
+    QVERIFY(stop(session().document().scene()) < narrow);
+    QVERIFY2(shown().toDouble() > 8, qPrintable(shown()));
+    QVERIFY(settled());
+  }
+
+  void stopThatIsWiderThanItsLensIsSaid() {
+    QVERIFY(open_example("lenslets-30"));
+    const auto& surfaces = session().document().scene().camera.lens.surfaces;
+    std::size_t stop = 0;
+    double widest = 0;
+    for (std::size_t i = 0; i < surfaces.size(); ++i)
+      if (surfaces[i].stop)
+        stop = i;
+      else
+        widest = std::max(widest, surfaces[i].diameter);
+    const QString path = QString("camera.lens.surfaces[%1].diameter").arg(stop);
+    const auto* const message = child<QLabel>("sceneMessage");
+    QVERIFY(!message->isVisible());
+    type(qPrintable(path), "500 mm");
+    QVERIFY(message->isVisible());
+    QCOMPARE(message->text(),
+             QString("the stop of the main lens is 500 mm wide and its widest surface %1 mm: the "
+                     "surfaces limit the light, and the f-number, which is computed from the stop, "
+                     "is too small; make the stop smaller")
+                 .arg(1000 * widest));
+    // It stands at its line, as a warning.
+    const QModelIndex line = model().find(path.toStdString());
+    QCOMPARE(line.data(ParameterModel::kMessageRole).toString(), message->text());
+    QVERIFY(!line.data(ParameterModel::kIsErrorRole).toBool());
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QVERIFY(!message->isVisible());
   }
 
   void conjugateHasItsList() {

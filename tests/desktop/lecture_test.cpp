@@ -1,6 +1,7 @@
 // Time, films, the guided tour: what a lecture shows. References: the table that moves a flame,
 // values between two ends by arithmetic, what the steps of the tour say.
 #include <QAction>
+#include <QComboBox>
 #include <QLabel>
 #include <QLineEdit>
 #include <QScreen>
@@ -50,6 +51,23 @@ samples = 8
 
 class LectureTest : public test::SceneFixture {
   Q_OBJECT
+
+  /// Below each picture stands a line, and no two are the same.
+  void picturesSayTheirValues(const char* name, int count) {
+    std::vector<QImage> lines;
+    for (int i = 1; i <= count; ++i) {
+      const QImage picture(file(QString(name).arg(i, 4, 10, QChar('0'))));
+      QVERIFY2(!picture.isNull(), qPrintable(QString(name).arg(i)));
+      lines.push_back(picture.copy(0, picture.height() * 95 / 100, picture.width(),
+                                   picture.height() * 5 / 100));
+      int bright = 0;
+      for (int y = 0; y < lines.back().height(); ++y)
+        for (int x = 0; x < lines.back().width(); ++x)
+          bright += lines.back().pixelColor(x, y).lightness() > 150 ? 1 : 0;
+      QVERIFY2(bright > 60, qPrintable(QString::number(bright)));
+      for (std::size_t k = 0; k + 1 < lines.size(); ++k) QVERIFY(lines[k] != lines.back());
+    }
+  }
 
  private slots:
   void init() { begin(); }
@@ -148,8 +166,19 @@ class LectureTest : public test::SceneFixture {
     auto* const film = child<FilmDialog>("filmDialog");
     auto* const from = child<QLineEdit>("filmFrom");
     auto* const to = child<QLineEdit>("filmTo");
-    QCOMPARE(from->text(), QString("1"));
+    // A span around the value, so that something moves.
+    QCOMPARE(from->text(), QString("0.9"));
+    QCOMPARE(to->text(), QString("1.1"));
+    from->setFocus();
+    from->selectAll();
+    QTest::keyClicks(from, "1");
     to->setFocus();
+    to->selectAll();
+    QTest::keyClicks(to, "1");
+    film->record(file("film.png"));
+    QVERIFY2(!film->is_recording() && film->message().contains("same value"),
+             qPrintable(film->message()));
+
     to->selectAll();
     QTest::keyClicks(to, "-1");
     film->record(file("film.png"));  // as it is refused in the tree
@@ -169,6 +198,7 @@ class LectureTest : public test::SceneFixture {
     for (const char* name : {"film.0001.png", "film.0002.png", "film.0003.png"})
       QVERIFY(!QImage(file(name)).isNull());
     QVERIFY(!QFile::exists(file("film.0004.png")));
+    picturesSayTheirValues("film.%1.png", 3);
     // All have one scale of brightness. A quarter of the light is 0.25^(1/2.2), 0.53 of the white
     // of a display, and colours of less light are darker.
     const auto light = [this](const char* name) {
@@ -185,6 +215,50 @@ class LectureTest : public test::SceneFixture {
              qPrintable(QString("%1 %2").arg(light("film.0001.png")).arg(light("film.0003.png"))));
     QCOMPARE(session().document().scene().flames[0].brightness, 1.0);
     QVERIFY(!session().document().is_modified());
+    film->close();
+  }
+
+  void filmBeginsWithTheFocusAndMovesTheFNumber() {
+    write(file("small.toml"), test::small_scene_text().c_str());
+    QVERIFY(window_->open(file("small.toml")));
+    QVERIFY(settled());
+    QVERIFY(click_menu({"Render", "Film of a parameter..."}));
+    auto* const film = child<FilmDialog>("filmDialog");
+    auto* const parameter = child<QComboBox>("filmParameter");
+    auto* const from = child<QLineEdit>("filmFrom");
+    auto* const to = child<QLineEdit>("filmTo");
+    const double focus = session().document().scene().camera.focus.object_distance;
+    const auto metres = [](const QLineEdit* line) {
+      return parse_quantity(line->text().toStdString(), Dimension::length);
+    };
+    QCOMPARE(parameter->currentText(), QString("camera.focus.object_distance"));
+    QVERIFY2(std::fabs(metres(from) / focus - 0.9) < 0.01, qPrintable(from->text()));
+    QVERIFY2(std::fabs(metres(to) / focus - 1.1) < 0.01, qPrintable(to->text()));
+    // A place of 0 has no tenth of itself.
+    parameter->setCurrentText("camera.array.rotation");
+    QCOMPARE(from->text(), QString("0 rad"));
+    QVERIFY2(to->text() != from->text(), qPrintable(to->text()));
+    // The film has the picture alone: its ground has no place in it.
+    parameter->setCurrentText("camera.lens.f_number");
+    QCOMPARE(parameter->currentText(), QString("camera.lens.f_number"));
+    const QString before = from->text();
+    to->setFocus();
+    to->selectAll();
+    QTest::keyClicks(to, "16");
+    child<QSpinBox>("filmFrames")->setValue(2);
+    answer_file_dialog(file("stops.png"));
+    QTest::mouseClick(child<QPushButton>("filmRecord"), Qt::LeftButton);
+    QVERIFY(film->is_recording());
+    QVERIFY(until([&] { return !film->is_recording(); }));
+    QVERIFY2(film->message().startsWith("2 pictures"), qPrintable(film->message()));
+    picturesSayTheirValues("stops.%1.png", 2);
+    const QImage picture(file("stops.0001.png"));
+    const double aspect = 200.0 / 180;
+    const int line = picture.height() - static_cast<int>(std::lround(picture.width() / aspect));
+    QVERIFY2(line > 10 && line < 0.12 * picture.height(), qPrintable(QString::number(line)));
+    const QColor ground = image().palette().color(QPalette::Dark);
+    for (int y = 0; y < picture.height(); ++y)
+      for (const int x : {0, picture.width() - 1}) QVERIFY(picture.pixelColor(x, y) != ground);
     film->close();
   }
 
@@ -208,6 +282,18 @@ class LectureTest : public test::SceneFixture {
       QVERIFY(child<QLabel>("tourText")->text().contains(QString("%1 of 10").arg(step + 1)));
       QCOMPARE(selection().kind == Selection::Kind::pixel, step == 6);
       QCOMPARE(selection().kind == Selection::Kind::point, step == 7);
+      // The tour stands beside what it explains.
+      const auto on_screen = [](const QWidget* widget) {
+        return QRect(widget->mapToGlobal(QPoint(0, 0)), widget->size());
+      };
+      for (const char* name : {"raysTable", "sceneTree", "scene3d", "rawImage"}) {
+        const auto* const shown = child<QWidget>(name);
+        if (!shown->isVisible() || shown->visibleRegion().isEmpty()) continue;
+        const QRect seen =
+            shown->visibleRegion().boundingRect().translated(shown->mapToGlobal(QPoint(0, 0)));
+        QVERIFY2(!seen.intersects(on_screen(tour)), name);
+      }
+      if (step == 6) QVERIFY(!child<QWidget>("raysTable")->visibleRegion().isEmpty());
       if (step == 6)
         QVERIFY(session().rays().rays() && !session().rays().rays()->paths.rays.empty());
       if (!folder.isEmpty())

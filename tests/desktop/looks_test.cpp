@@ -355,8 +355,8 @@ class LooksTest : public test::SceneFixture {
   void cubeTellsWhereTheAxesPoint() {
     const auto corner = [this] {
       const QImage picture = view().picture();
-      return picture.copy(0, picture.height() * 3 / 4, picture.width() * 17 / 100,
-                          picture.height() / 4);
+      return picture.copy(picture.width() * 86 / 100, 0, picture.width() * 14 / 100,
+                          picture.height() * 15 / 100);
     };
     // The letters of x are red, those of y green, those of z blue.
     const auto letters = [](const QImage& picture) {

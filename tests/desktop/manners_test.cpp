@@ -134,6 +134,37 @@ class MannersTest : public test::WindowFixture {
     QVERIFY(difference(light, drawn()) < 0.01);
   }
 
+  // Fusion draws a shadow under what is greyed, which made it look bolder than the rest.
+  void greyedEntriesLookThinnerThanOthers() {
+    open_small();
+    for (int theme = 0; theme < 2; ++theme) {
+      QVERIFY(click_menu({"View", "Dark theme"}));
+      auto* const action = window_->findChild<QAction*>("actionFollowRays");
+      QMenu menu(window_.get());
+      menu.addAction(action);
+      menu.popup(window_->mapToGlobal(QPoint(20, 20)));
+      QTest::qWait(50);
+      // How much a drawing of the entry differs from its ground.
+      const auto ink = [&] {
+        const QImage drawn = menu.grab(menu.actionGeometry(action)).toImage();
+        const int ground = drawn.pixelColor(drawn.width() - 6, drawn.height() / 2).lightness();
+        double sum = 0;
+        for (int y = 4; y < drawn.height() - 4; ++y)
+          for (int x = 4; x < drawn.width() - 4; ++x)
+            sum += std::abs(drawn.pixelColor(x, y).lightness() - ground);
+        return sum;
+      };
+      action->setEnabled(false);
+      const double grey = ink();
+      action->setEnabled(true);
+      const double active = ink();
+      action->setEnabled(false);
+      menu.close();
+      QVERIFY2(grey > 0.2 * active && grey < 0.75 * active,
+               qPrintable(QString("%1 %2").arg(grey).arg(active)));
+    }
+  }
+
   void helpIsAboutWhatHasTheFocus() {
     open_small();
     const auto page = [&](QWidget* focus) {

@@ -6,6 +6,7 @@
 #include <QDir>
 #include <QLabel>
 #include <QPushButton>
+#include <QStatusBar>
 #include <QToolButton>
 #include <QTreeWidget>
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include "scenes.h"
 #include "widgets/controls/plot_widget.h"
 #include "widgets/image/colour_bar.h"
+#include "widgets/panels/scene_panel.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;
@@ -132,6 +134,21 @@ class MeasuredTest : public test::SceneFixture {
     }
     QVERIFY2(window_->image_panel().describe(3, 4).contains("e-"),
              qPrintable(window_->image_panel().describe(3, 4)));
+    // It is said by which gain, and another one is used at once.
+    const auto said = [this] { return window_->statusBar()->currentMessage(); };
+    QVERIFY2(said().startsWith("flame.pgm: 2 electrons per count (the scene's sensor.gain)"),
+             qPrintable(said()));
+    const float before = electrons.at(3, 4);
+    const auto read = session().measured().field();
+    type("camera.sensor.gain", "3");
+    QVERIFY(until([&] { return session().measured().field() != read; }));
+    QCOMPARE(session().measured().field()->channels[0].flux.at(3, 4), 1.5F * before);
+    QVERIFY2(said().startsWith("flame.pgm: 3 electrons per count"), qPrintable(said()));
+    press(Qt::Key_Z, Qt::ControlModifier);
+    QVERIFY(
+        until([&] { return session().measured().field()->channels[0].flux.at(3, 4) == before; }));
+    QVERIFY(until([&] { return image().image()->level(0).at(3, 4) == before; }));
+    QVERIFY(written() && settled());
     auto* const bar = child<ColourBar>("imageBar");
     for (const QString& label : bar->labels()) QVERIFY2(label.endsWith(" e-"), qPrintable(label));
     // A line along a row has its values.

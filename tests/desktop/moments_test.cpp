@@ -14,6 +14,7 @@
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/volumes/grid_writer.h"
 #include "scene_fixture.h"
+#include "scenes.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/panels/render_panel.h"
 #include "widgets/panels/scene_panel.h"
@@ -254,6 +255,41 @@ class MomentsTest : public test::SceneFixture {
     QTest::mouseClick(child<QWidget>("renderFiner"), Qt::LeftButton);
     QVERIFY(settled());
     for (const auto& picture : pictures) QVERIFY(picture->samples > 1024);
+  }
+
+  // The picture of one scene is seen until there is one of the next, where the camera has the same
+  // number of pixels.
+  void pictureOfTheSceneBeforeIsSeenMeanwhile() {
+    write(file("one.toml"), test::small_scene_text().c_str());
+    write(file("two.toml"), QByteArray(test::small_scene_text().c_str()).replace("-29 mm", "9 mm"));
+    open_by_dialog(file("one.toml"));
+    QVERIFY(until([&] { return session().document().image_is_current(); }) && settled());
+    const QImage before = image().grab().toImage();
+    QVERIFY(image().badge().isEmpty());
+    open_by_dialog(file("two.toml"));
+    QVERIFY(!session().document().image());  // nothing can be exported yet
+    QVERIFY(image().image());
+    QCOMPARE(image().badge(), QString("of the scene before"));
+    const double other = difference(before, image().grab().toImage());
+    QVERIFY2(other > 0 && other < 0.05, qPrintable(QString::number(other)));  // its badge
+    QVERIFY(until([&] { return session().document().image_is_current(); }) && settled());
+    QVERIFY(image().badge().isEmpty());
+    QVERIFY(difference(before, image().grab().toImage()) > 0.05);
+    // Another number of pixels: the picture has no place there.
+    type("camera.sensor.columns", "190");
+    QVERIFY(!image().image() && !session().document().image());
+    QVERIFY(until([&] { return session().document().image_is_current(); }) && settled());
+    QCOMPARE(image().image()->width(), 190);
+    open_by_dialog(file("one.toml"));
+    QVERIFY(!image().image());
+    QVERIFY(until([&] { return session().document().image_is_current(); }) && settled());
+    // No picture follows where the scene cannot be prepared.
+    write(file("three.toml"),
+          QByteArray(test::small_scene_text().c_str())
+              .replace("preset = \"paper-layered\"", "kind = \"vdb\"\nfile = \"none.vdb\""));
+    open_by_dialog(file("three.toml"));
+    QVERIFY(until([&] { return !session().compiler().failure().isEmpty(); }));
+    QVERIFY(!image().image() && image().badge().isEmpty());
   }
 
   void errorIsNotToldBeforeItIsKnown() {

@@ -275,6 +275,28 @@ class SelectionTest : public test::SceneFixture {
     QCOMPARE(colours.size(), ends.size());
   }
 
+  // Where the first ray of a pixel is stopped, the first one that arrives is shown.
+  void firstChosenRayArrives() {
+    open_small();
+    const auto arrives = [this](int ray) {
+      return session().rays().rays()->paths.rays[static_cast<std::size_t>(ray)].status.status ==
+             RayStatus::reached;
+    };
+    int stopped = 0;
+    for (int place = 20; place < 280; place += 10) {
+      QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(place, 40));
+      QVERIFY(rays_are_there());
+      const int count = table()->rowCount();
+      int first = 0;
+      while (first < count && !arrives(first)) ++first;
+      if (first == count || count == 0) continue;
+      QCOMPARE(table()->currentRow(), first);
+      QCOMPARE(window_->rays_panel().chosen(), first);
+      stopped += first > 0 ? 1 : 0;
+    }
+    QVERIFY(stopped > 0);
+  }
+
   void raysIn3dHaveTheColourOfTheirEnd() {
     open_small();
     QTest::mouseClick(&image(), Qt::LeftButton, {}, of_pixel(40, 40));

@@ -3,14 +3,18 @@
 #include <QDirIterator>
 #include <QFile>
 #include <QFileInfo>
+#include <QFrame>
 #include <QLabel>
 #include <QPushButton>
+#include <QScreen>
 #include <QScrollArea>
 #include <QTableWidget>
 #include <QToolButton>
 #include <QTreeView>
+#include <set>
 
 #include "gui_tests.h"
+#include "widgets/controls/tool_row.h"
 #include "widgets/panels/rays_panel.h"
 #include "widgets/panels/render_panel.h"
 #include "widgets/panels/scene_panel.h"
@@ -63,6 +67,72 @@ class WindowTest : public test::WindowFixture {
       const QTreeView& tree = fresh.scene_panel().tree();
       QVERIFY(tree.isColumnHidden(2) || tree.width() > 400);
     }
+  }
+
+  void toolbarsHaveOneRowAndTheRestBehindTheirLastButton() {
+    QTest::mouseClick(child<QWidget>("example-lenslets-30"), Qt::LeftButton);
+    QVERIFY(settled());
+    const auto lines = [](const ToolRow& row) {
+      std::set<int> heights;
+      for (const QWidget* tool : row.findChildren<QWidget*>(QString(), Qt::FindDirectChildrenOnly))
+        if (tool->isVisible() && !tool->isWindow()) heights.insert(tool->geometry().center().y());
+      return heights.empty() ? 0 : *heights.rbegin() - *heights.begin();
+    };
+    for (const QSize size : {QSize(1280, 720), QSize(1366, 768), QSize(1920, 1080)}) {
+      window_->resize(size);
+      QVERIFY(until([&] { return window_->size() == size; }));
+      QTest::qWait(50);
+      for (const auto* row : window_->findChildren<ToolRow*>())
+        QVERIFY2(
+            lines(*row) < 6,
+            qPrintable(QString("%1 %2 %3").arg(size.width()).arg(row->width()).arg(lines(*row))));
+      QTabBar& tabs = *window_->light_field_panel().tabs().tabBar();
+      QCOMPARE(tabs.count(), 6);
+      for (int i = 0; i < tabs.count(); ++i)
+        QVERIFY2(
+            tabs.tabRect(i).width() > tabs.fontMetrics().horizontalAdvance(tabs.tabText(i)) + 4,
+            qPrintable(tabs.tabText(i)));
+    }
+    window_->resize(1366, 768);
+    QTest::qWait(50);
+    for (const auto& [button, tools] : {std::pair<const char*, QStringList>{
+                                            "moreOfScene", {"flameExposure", "flameCut", "alongX"}},
+                                        {"moreOfImage", {"white", "scale"}}}) {
+      QTest::mouseClick(child<QToolButton>(button), Qt::LeftButton);
+      auto* const popup = child<QFrame>(qPrintable(QString(button) + "Popup"));
+      QVERIFY(popup->isVisible());
+      for (const QString& name : tools) {
+        const auto* const tool = child<QWidget>(qPrintable(name));
+        QVERIFY2(tool->isVisible() && tool->window() == popup &&
+                     tool->visibleRegion().boundingRect() == tool->rect(),
+                 qPrintable(name));
+      }
+      QVERIFY(QGuiApplication::primaryScreen()->geometry().contains(popup->geometry()));
+      QTest::keyClick(popup, Qt::Key_Escape);
+      QVERIFY(!popup->isVisible());
+    }
+    // The section has no use for those of the flame.
+    for (auto* tool : window_->findChildren<QToolButton*>())
+      if (tool->defaultAction() == child<QAction>("viewSection"))
+        QTest::mouseClick(tool, Qt::LeftButton);
+    QVERIFY(!child<QWidget>("moreOfScene")->isVisible());
+    QVERIFY(!child<QWidget>("flameDrawing")->isVisible());
+  }
+
+  // On the screen itself, not in a picture that the window makes of itself.
+  void welcomePageIsWholeOnTheScreen() {
+    QTest::qWait(500);
+    const QWidget* const page = child<QWidget>("welcomePage");
+    const QRect place(page->mapToGlobal(QPoint(0, 0)), page->size());
+    const QImage seen = QGuiApplication::primaryScreen()
+                            ->grabWindow(0, place.x(), place.y(), place.width(), place.height())
+                            .toImage();
+    const QColor ground = page->palette().color(QPalette::Window);
+    QVERIFY(seen.width() > 1000);
+    // Beside its lists there is nothing but its ground.
+    for (int y = 2; y < seen.height() - 2; ++y)
+      for (const int x : {2, 20, 40, seen.width() - 40, seen.width() - 20, seen.width() - 2})
+        QVERIFY2(seen.pixelColor(x, y) == ground, qPrintable(QString("%1, %2").arg(x).arg(y)));
   }
 
   // Every example is on the page, with a picture, as it is in its file.
@@ -266,11 +336,11 @@ class WindowTest : public test::WindowFixture {
       QVERIFY(near < 0.1 * height / 0.4 && far > 10 * height);
       const QRgb corner = picture.pixel(2, picture.height() / 2);
       int other = 0;
-      for (int y = 0; y < picture.height(); y += 4)
+      for (int y = picture.height() / 5; y < picture.height() * 4 / 5; y += 4)
         for (int x = 0; x < picture.width(); x += 4) other += picture.pixel(x, y) != corner ? 1 : 0;
-      // The share is one of a square as wide as the view: the view may be far higher than the
-      // scene.
-      QVERIFY2(other > picture.width() * picture.width() / 16 / 50,
+      // Without cube and bar. The share is one of a square as wide as the view, which may be far
+      // higher than the scene.
+      QVERIFY2(other > picture.width() * picture.width() / 16 / 400,
                qPrintable(QString("%1 in part %2").arg(other).arg(static_cast<int>(part))));
     }
   }

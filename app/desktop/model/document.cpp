@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "model/scene_values.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/micro_images.h"
 #include "plenoflame/scene/cameras.h"
@@ -89,6 +90,7 @@ void Document::choose_camera(const std::string& name) {
   changes.camera = changes.develop = true;
   emit state_changed();
   emit scene_changed(changes);
+  drop_image_of_other_size();
 }
 
 Scene Document::at_moment(const SceneDocument& scene, const std::optional<double>& time) {
@@ -131,6 +133,15 @@ void Document::begin(SceneDocument scene, const std::string& file,
   SceneChanges changes = SceneChanges::all();
   changes.opened = true;
   emit scene_changed(changes);
+  emit image_changed();
+}
+
+void Document::drop_image_of_other_size() {
+  const SensorSpec& sensor = camera().sensor;
+  if (!image_ || (image_->sensor_width == sensor.columns && image_->sensor_height == sensor.rows))
+    return;
+  image_ = nullptr;
+  image_current_ = false;
   emit image_changed();
 }
 
@@ -230,13 +241,14 @@ void Document::after(const Scene& before, const FlameLook& look_before) {
   if (changes.image()) image_current_ = false;
   emit state_changed();
   if (changes.any()) emit scene_changed(changes);
+  if (changes.camera) drop_image_of_other_size();
   if (!(look() == look_before)) emit look_changed();
 }
 
 void Document::set_value(const std::string& path, const std::string& text,
                          const std::string& merge) {
   SceneDocument state = history_.state();
-  set_text(state.scene, path, text);
+  set_value_text(state.scene, path, text);
   if (state.scene == scene()) return;
   state.positions.erase(path);
   push(std::move(state), "change " + path, merge);

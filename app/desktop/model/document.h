@@ -111,7 +111,7 @@ class Document : public QObject {
   /// Saves the scene; files that it names stay the same ones. @throws FileError, InputError
   void save(const std::string& path);
 
-  /// Sets one value from text with a unit. @throws InputError, see set_text() in scene_schema.h
+  /// Sets one value from text with a unit. @throws InputError, see set_value_text()
   /// @param merge see UndoHistory::push
   void set_value(const std::string& path, const std::string& text, const std::string& merge);
   /// The same; values of one path in a row are one step, as of a slider.
@@ -147,7 +147,8 @@ class Document : public QObject {
   /// forgotten with the next change.
   void set_unreadable(const SceneIssue* issue);
 
-  /// The raw light field that is shown; null: none yet.
+  /// The raw light field that is shown; null: none yet. One from before a
+  /// change stays as long as the camera keeps its number of pixels.
   const std::shared_ptr<const LightField>& image() const { return image_; }
   /// True if the image was made from the present scene.
   bool image_is_current() const { return image_ && image_current_; }
@@ -171,6 +172,7 @@ class Document : public QObject {
   void push(SceneDocument state, const std::string& what, const std::string& merge = {});
   void after(const Scene& before, const FlameLook& look_before);
   void check();
+  void drop_image_of_other_size();
 
   UndoHistory history_;
   /// Chooses the first of several cameras when there is none of the chosen name.

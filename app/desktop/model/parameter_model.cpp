@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "model/key_relevance.h"
+#include "model/scene_values.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::desktop {
@@ -52,7 +53,7 @@ std::string value_path(const std::string& path) {
 
 std::string text_of(const Scene& scene, const std::string& path) {
   const ParameterModel::Place place = ParameterModel::place_of(path);
-  const std::string text = get_text(scene, place.path);
+  const std::string text = value_text(scene, place.path);
   return place.component < 0 ? text
                              : components(text).at(static_cast<std::size_t>(place.component));
 }
@@ -62,7 +63,7 @@ std::string with_component(const Scene& scene, const ParameterModel::Place& plac
                            const std::string& text) {
   if (place.component < 0) return text;
   std::string out;
-  const std::vector<std::string> parts = components(get_text(scene, place.path));
+  const std::vector<std::string> parts = components(value_text(scene, place.path));
   for (std::size_t k = 0; k < parts.size(); ++k)
     out += (k == 0 ? "" : ", ") + (static_cast<int>(k) == place.component ? text : parts[k]);
   return out;
@@ -111,7 +112,7 @@ QString lens_surface_name(const Scene& scene, const std::string& path) {
 ParameterModel::Place ParameterModel::place_of(const std::string& path) {
   Place place;
   place.path = path;
-  place.key = find_schema_key(path);
+  place.key = find_value(path);
   if (place.key || path.size() < 3 || path[path.size() - 2] != '.') return place;
   const std::string whole = path.substr(0, path.size() - 2);
   const std::size_t component = std::string("xyz").find(path.back());
@@ -158,7 +159,7 @@ ParameterModel::~ParameterModel() = default;
 void ParameterModel::rebuild() {
   beginResetModel();
   root_ = std::make_unique<Node>();
-  paths_ = document_.is_empty() ? std::vector<std::string>{} : scene_paths(document_.scene());
+  paths_ = document_.is_empty() ? std::vector<std::string>{} : value_paths(document_.scene());
   if (!document_.is_empty()) {
     // Lists show even when they are empty, so that something can be added; in the order of files.
     for (const SchemaList& list : schema_lists()) {
@@ -175,7 +176,7 @@ void ParameterModel::rebuild() {
         if (part.front() == '[') node->is_list = true;
         node = next;
       }
-      node->key = find_schema_key(path);
+      node->key = find_value(path);
       const int components = components_of(node->key);
       for (int k = 0; k < components; ++k) {
         Node* const part = node->child(std::string(1, "xyz"[k]));
@@ -216,7 +217,7 @@ void ParameterModel::refresh() {
 /// Issues may belong to a scene that the model has not received yet.
 void ParameterModel::follow() {
   const auto paths =
-      document_.is_empty() ? std::vector<std::string>{} : scene_paths(document_.scene());
+      document_.is_empty() ? std::vector<std::string>{} : value_paths(document_.scene());
   if (paths != paths_ || root_->children.empty()) {
     rebuild();
     return;

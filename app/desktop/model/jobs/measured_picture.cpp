@@ -99,6 +99,15 @@ QString in_words(const Registration& found) {
 
 }  // namespace
 
+QString gain_in_words(const QString& name, const SensorSpec& sensor) {
+  return MeasuredPicture::tr(
+             "%1: %2 electrons per count (%3); a gain that the file itself names is not used")
+      .arg(name)
+      .arg(resolved_levels(sensor).gain, 0, 'g', 4)
+      .arg(sensor.gain > 0 ? MeasuredPicture::tr("the scene's sensor.gain")
+                           : MeasuredPicture::tr("full well over bits, as sensor.gain is 0"));
+}
+
 bool is_measured(const LightField& field) {
   return field.texts.contains("import.pictures");
 }
@@ -119,12 +128,22 @@ MeasuredPicture::MeasuredPicture(Document& document, QObject* parent)
   connect(&document_, &Document::image_changed, this, &MeasuredPicture::on_image);
 }
 
-void MeasuredPicture::set(std::shared_ptr<const LightField> field, const QString& name) {
+void MeasuredPicture::set(std::shared_ptr<const LightField> field, const QString& name,
+                          const QString& counts_path) {
   if (!field && !field_) return;
   field_ = std::move(field);
   name_ = name;
+  counts_path_ = counts_path;
+  if (field_) sensor_ = document_.camera().sensor;
   forget_registration();
   emit changed();
+  on_image();
+}
+
+void MeasuredPicture::renew(std::shared_ptr<const LightField> field) {
+  field_ = std::move(field);
+  forget_registration();
+  emit renewed();
   on_image();
 }
 
@@ -136,6 +155,9 @@ void MeasuredPicture::on_scene(const SceneChanges& changes) {
       sensor.rows != field_->sensor_height)
     return clear();
   if (changes.image()) forget_registration();
+  if (sensor == sensor_) return;
+  sensor_ = sensor;
+  emit outdated();
 }
 
 void MeasuredPicture::forget_registration() {
@@ -151,7 +173,7 @@ void MeasuredPicture::forget_registration() {
 void MeasuredPicture::on_image() {
   const auto& simulated = document_.image();
   // An imported picture was opened as such.
-  if (simulated && is_measured(*simulated)) {
+  if (simulated && document_.image_is_current() && is_measured(*simulated)) {
     if (simulated != field_)
       set(simulated, QString::fromStdString(simulated->texts.at("import.pictures")));
     return;

@@ -8,6 +8,7 @@
 #include "model/jobs/latest_task.h"
 #include "plenoflame/calibration/registration.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/scene/sensor_spec.h"
 
 namespace plenoflame::desktop {
 
@@ -19,6 +20,8 @@ namespace plenoflame::desktop {
 /// @throws FileError, InputError: no picture of this sensor; Cancelled
 std::shared_ptr<const LightField> read_measured(const std::string& path, const Scene& scene,
                                                 const Execution& execution);
+/// How the counts of a camera's own file became electrons, in a sentence.
+QString gain_in_words(const QString& name, const SensorSpec& sensor);
 /// True if a light field came from a real camera.
 bool is_measured(const LightField& field);
 
@@ -31,7 +34,13 @@ class MeasuredPicture : public QObject {
   /// Null: there is none.
   const std::shared_ptr<const LightField>& field() const { return field_; }
   const QString& name() const { return name_; }
-  void set(std::shared_ptr<const LightField> field, const QString& name);
+  /// Path of a camera's own file, whose counts became electrons; empty: it is none.
+  const QString& counts_path() const { return counts_path_; }
+  /// @param counts_path see there
+  void set(std::shared_ptr<const LightField> field, const QString& name,
+           const QString& counts_path = {});
+  /// The same picture, with other numbers.
+  void renew(std::shared_ptr<const LightField> field);
   void clear() { set(nullptr, {}); }
   /// Gain and shift against the simulated picture, once both are there; null: not known.
   const std::shared_ptr<const Registration>& registration() const { return registration_; }
@@ -40,6 +49,9 @@ class MeasuredPicture : public QObject {
 
  signals:
   void changed();
+  void renewed();
+  /// The scene's sensor counts light in another way than the one that the picture was read with.
+  void outdated();
   void registration_changed();
 
  private:
@@ -49,7 +61,8 @@ class MeasuredPicture : public QObject {
 
   Document& document_;
   std::shared_ptr<const LightField> field_;
-  QString name_, text_;
+  SensorSpec sensor_;  ///< of the scene, when the picture was read
+  QString name_, counts_path_, text_;
   std::shared_ptr<const Registration> registration_;
   unsigned newest_ = 0;
   LatestTask task_{Urgency::in_reserve};  ///< last: it ends first

@@ -78,6 +78,13 @@ class GlyphEngine : public QIconEngine {
              {QLineF(1, 14, 4.5, 11), QLineF(4.5, 11, 6.5, 5.5), QLineF(6.5, 5.5, 15, 5.5)})
           p.drawLine(piece);
         return;
+      case Glyph::more:  // two sliders
+        for (const double x : {5.0, 11.0}) {
+          p.drawLine(QPointF(x, 2), QPointF(x, 14));
+          p.setBrush(ink);
+          p.drawEllipse(QPointF(x, x < 8 ? 5.5 : 10.5), 2, 2);
+        }
+        return;
       case Glyph::light:  // a ray with light on it
         p.drawLine(QPointF(1, 13), QPointF(15, 3));
         p.setBrush(ink);
@@ -89,6 +96,15 @@ class GlyphEngine : public QIconEngine {
   Glyph glyph_;
 };
 
+/// Without the two spaces that Qt puts beside a text: several of them have to fit side by side.
+class TextButton : public QToolButton {
+ public:
+  using QToolButton::QToolButton;
+  QSize sizeHint() const override {
+    return QToolButton::sizeHint() - QSize(2 * fontMetrics().horizontalAdvance(' '), 0);
+  }
+};
+
 }  // namespace
 
 QIcon glyph_icon(Glyph glyph) {
@@ -96,7 +112,7 @@ QIcon glyph_icon(Glyph glyph) {
 }
 
 QToolButton* button_for(QAction* action, QWidget* parent, bool icon_only) {
-  auto* const button = new QToolButton(parent);
+  auto* const button = icon_only ? new QToolButton(parent) : new TextButton(parent);
   button->setDefaultAction(action);
   button->setAutoRaise(true);
   button->setToolButtonStyle(icon_only ? Qt::ToolButtonIconOnly : Qt::ToolButtonTextOnly);

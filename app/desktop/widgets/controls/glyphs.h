@@ -8,7 +8,7 @@ class QWidget;
 namespace plenoflame::desktop {
 
 /// Small drawings for buttons whose texts would fill a narrow panel.
-enum class Glyph { ruler, picture, shortened, hand, light, lenses, saturated };
+enum class Glyph { ruler, picture, shortened, hand, light, lenses, saturated, more };
 
 /// Drawn in the colours that the theme has when it is shown.
 QIcon glyph_icon(Glyph glyph);

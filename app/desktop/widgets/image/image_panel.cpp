@@ -14,9 +14,9 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/develop.h"
-#include "widgets/controls/flow_layout.h"
 #include "widgets/controls/glyphs.h"
 #include "widgets/controls/plot_widget.h"
+#include "widgets/controls/tool_row.h"
 #include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
 
@@ -49,8 +49,7 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
       tr("Drag to move, wheel to zoom. Click a pixel: its rays. Shift+click: "
          "its microlens. "
          "Ctrl+drag: line profile. Arrow keys move the selected pixel."));
-  auto* tools = new QWidget(this);
-  auto* flow = new FlowLayout(tools);
+  auto* tools = new ToolRow("moreOfImage", tr("Size, brightness by value, value of white"), this);
   const auto combo = [&](const char* name, const QStringList& entries, const QString& tip) {
     auto* box = new QComboBox(tools);
     box->setObjectName(name);
@@ -60,10 +59,9 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
     box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
     box->setMinimumContentsLength(kLettersOfChoice);
     box->view()->setMinimumWidth(box->view()->sizeHintForColumn(0) + 24);
-    flow->addWidget(box);
     return box;
   };
-  make_choice_of_picture(tools, flow);
+  make_choice_of_picture(*tools);
   quantity_ = combo("quantity", {tr("Flux"), tr("Standard error"), tr("Relative error")},
                     tr("What is shown: radiant flux of each pixel [W], its "
                        "standard error [W], or their ratio"));
@@ -76,6 +74,7 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
                tr("Colours; all are even in lightness and safe for "
                   "colour-blind people"));
   map_->setCurrentIndex(kInferno);  // as for views and flame
+  for (QComboBox* const box : {quantity_, channel_, map_}) tools->add(box);
   white_ = new QLineEdit(tools);
   white_->setObjectName("white");
   white_->setPlaceholderText(tr("white: auto"));
@@ -84,15 +83,14 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
       tr("Value that is shown as white, with its unit (e.g. 500 "
          "nW); empty: 99.9 % of the lit pixels "
          "are darker"));
-  flow->addWidget(white_);
   const auto tool = [&](const QString& text) {
     auto* action = new QAction(text, this);
-    flow->addWidget(button_for(action, tools));
+    tools->add_spare(button_for(action, tools));
     return action;
   };
   const auto marks = [&](Glyph glyph, const QString& text) {
     auto* action = new QAction(glyph_icon(glyph), text, this);
-    flow->addWidget(button_for(action, tools, true));
+    tools->add(button_for(action, tools, true));
     return action;
   };
   saturation_ = marks(Glyph::saturated, tr("Saturation"));
@@ -112,6 +110,8 @@ ImagePanel::ImagePanel(Document& document, MeasuredPicture& measured, QWidget* p
   fit->setToolTip(tr("The whole image (F)"));
   QAction* const one = tool(tr("1:1"));
   one->setToolTip(tr("One pixel of the screen per pixel of the image (1)"));
+  tools->add_spare(scale_);
+  tools->add_spare(white_);
   connect(fit, &QAction::triggered, view_, &ImageView::fit);
   connect(one, &QAction::triggered, this, [this] { view_->set_scale(1); });
   auto* layout = new QVBoxLayout(this);
@@ -158,13 +158,12 @@ void ImagePanel::request() {
   const unsigned number = ++newest_;
   if (!field || field->channels.empty()) {
     task_.cancel();
-    pyramid_ = flux_pyramid_ = nullptr;
-    colours_ = nullptr;
     shown_ = number;
-    show_picture();
-    histogram_plot_->set_series({});
-    emit pyramid_changed();
-    return;
+    if (fits_camera()) {  // something is seen until there is a picture of the present scene
+      left_over_ = true;
+      return;
+    }
+    return drop_picture();
   }
   QStringList names;
   for (const LightFieldChannel& channel : field->channels)
@@ -222,6 +221,7 @@ void ImagePanel::request() {
       post(this, [this, number, flux, shown, white, saturation, counts, seen] {
         if (number != newest_) return;
         shown_ = number;
+        left_over_ = false;
         flux_pyramid_ = flux;
         pyramid_ = shown;
         colours_ = seen;
@@ -234,6 +234,26 @@ void ImagePanel::request() {
     } catch (const std::exception&) {  // stopped, or an image that is replaced soon
     }
   });
+}
+
+/// True if what is shown has the pixels of the document's camera.
+bool ImagePanel::fits_camera() const {
+  if (!pyramid_ || document_.is_empty()) return false;
+  const SensorSpec& sensor = document_.camera().sensor;
+  return pyramid_->width() == sensor.columns && pyramid_->height() == sensor.rows;
+}
+
+void ImagePanel::drop_left_over() {
+  if (left_over_) drop_picture();
+}
+
+void ImagePanel::drop_picture() {
+  left_over_ = false;
+  pyramid_ = flux_pyramid_ = nullptr;
+  colours_ = nullptr;
+  show_picture();
+  histogram_plot_->set_series({});
+  emit pyramid_changed();
 }
 
 QImage ImagePanel::poster(const QSize& size, const QColor& background, double& metres) const {

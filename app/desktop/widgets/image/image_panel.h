@@ -14,7 +14,6 @@
 class QAction;
 class QComboBox;
 class QLabel;
-class QLayout;
 class QLineEdit;
 
 namespace plenoflame::desktop {
@@ -23,6 +22,7 @@ namespace plenoflame::desktop {
 Dimension dimension_of(const LightField& field);
 
 class PlotWidget;
+class ToolRow;
 
 /// The raw light field with everything about how it is shown.
 class ImagePanel : public QWidget {
@@ -44,6 +44,10 @@ class ImagePanel : public QWidget {
   const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
   /// True if the document's image is shown, and not an earlier one.
   bool is_current() const { return shown_ == newest_ && !measured_task_.busy(); }
+  /// True while the picture of the document before is shown, as there is none of this one yet.
+  bool is_left_over() const { return left_over_; }
+  /// No picture follows that one.
+  void drop_left_over();
   /// The picture that is drawn now, while they blink: this one of the two.
   Picture picture() const;
   /// The colours of the picture, which those of views follow.
@@ -64,10 +68,12 @@ class ImagePanel : public QWidget {
 
  private:
   void request();
+  bool fits_camera() const;
+  void drop_picture();
   void apply_tone();
   void update_profile();
   void show_histogram(const Histogram& counts);
-  void make_choice_of_picture(QWidget* tools, QLayout* flow);
+  void make_choice_of_picture(ToolRow& tools);
   void request_measured();
   void show_picture();
   double measured_white() const;
@@ -93,6 +99,7 @@ class ImagePanel : public QWidget {
   double automatic_white_ = 1, automatic_saturation_ = 0;
   QLineF profile_;
   unsigned newest_ = 0, shown_ = 0;
+  bool left_over_ = false;
 
   MeasuredPicture& measured_;
   QComboBox* picture_ = nullptr;

@@ -1,12 +1,12 @@
 #include <QAction>
 #include <QComboBox>
 #include <QLabel>
-#include <QLayout>
 #include <QToolButton>
 #include <algorithm>
 
 #include "plenoflame/lightfield/develop.h"
 #include "widgets/controls/glyphs.h"
+#include "widgets/controls/tool_row.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
 
@@ -22,21 +22,21 @@ Dimension dimension_of(const LightField& field) {
   return field.unit == "W" ? Dimension::flux : Dimension::none;
 }
 
-void ImagePanel::make_choice_of_picture(QWidget* tools, QLayout* flow) {
-  picture_ = new QComboBox(tools);
+void ImagePanel::make_choice_of_picture(ToolRow& tools) {
+  picture_ = new QComboBox(&tools);
   picture_->setObjectName("shownPicture");
   picture_->addItems({tr("Simulated"), tr("Measured"), tr("Overlay")});
   picture_->setToolTip(
       tr("The simulated picture, the measured one, or one over the other: simulated in magenta, "
          "measured in green, grey where they agree"));
-  flow->addWidget(picture_);
+  tools.add(picture_);
   blink_ = new QAction(tr("Blink"), this);
   blink_->setObjectName("blinkPictures");
   blink_->setCheckable(true);
   blink_->setShortcut(Qt::Key_B);
   blink_->setToolTip(tr("Simulated and measured picture in turns, equally bright (B)"));
-  auto* const button = button_for(blink_, tools);
-  flow->addWidget(button);
+  auto* const button = button_for(blink_, &tools);
+  tools.add(button);
   registration_ = new QLabel(this);
   registration_->setObjectName("registrationText");
   registration_->setWordWrap(true);
@@ -68,6 +68,7 @@ void ImagePanel::make_choice_of_picture(QWidget* tools, QLayout* flow) {
         static_cast<int>(measured_.field() ? Picture::measured : Picture::simulated));
     request_measured();
   });
+  connect(&measured_, &MeasuredPicture::renewed, this, &ImagePanel::request_measured);
   connect(&measured_, &MeasuredPicture::registration_changed, this, [this] {
     registration_->setText(measured_.registration_text());
     registration_->setVisible(!measured_.registration_text().isEmpty());

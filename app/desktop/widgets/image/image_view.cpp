@@ -89,6 +89,18 @@ void ImageView::set_smooth(bool on) {
   update();
 }
 
+QImage ImageView::drawn() {
+  const QImage whole = grab().toImage();
+  if (!image_ || image_->empty()) return whole;
+  const double ratio = devicePixelRatioF();
+  const QPointF from = ratio * to_widget({0, 0});
+  const QPointF to = ratio * to_widget(QPointF(image_->width(), image_->height()));
+  const QRect of_image(
+      QPoint(static_cast<int>(std::ceil(from.x())), static_cast<int>(std::ceil(from.y()))),
+      QPoint(static_cast<int>(to.x()) - 1, static_cast<int>(to.y()) - 1));
+  return whole.copy(of_image.intersected(whole.rect()));
+}
+
 double ImageView::screen_scale() const {
   return scale_ / devicePixelRatioF();
 }

@@ -25,6 +25,8 @@ class ImageView : public QWidget {
  public:
   explicit ImageView(QWidget* parent = nullptr);
 
+  /// The part of the image that is seen, without the ground around it.
+  QImage drawn();
   /// Null: nothing. The part that is shown stays when the size does.
   void set_image(std::shared_ptr<const ImagePyramid> image);
   const std::shared_ptr<const ImagePyramid>& image() const { return image_; }

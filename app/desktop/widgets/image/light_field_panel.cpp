@@ -7,10 +7,12 @@
 #include <QLineEdit>
 #include <QMouseEvent>
 #include <QPainter>
+#include <QProxyStyle>
 #include <QPushButton>
 #include <QSignalBlocker>
 #include <QSlider>
 #include <QSpinBox>
+#include <QTabBar>
 #include <QTabWidget>
 #include <QToolButton>
 #include <QVBoxLayout>
@@ -28,6 +30,17 @@
 
 namespace plenoflame::desktop {
 namespace {
+
+/// Tabs with less room beside their texts, so that all of them are read in a small window.
+class NarrowTabs : public QProxyStyle {
+ public:
+  using QProxyStyle::QProxyStyle;
+  int pixelMetric(PixelMetric metric, const QStyleOption* option,
+                  const QWidget* widget) const override {
+    const int usual = QProxyStyle::pixelMetric(metric, option, widget);
+    return metric == PM_TabBarTabHSpace ? usual / 2 : usual;
+  }
+};
 
 constexpr int kDepthSteps = 400;
 
@@ -127,6 +140,9 @@ LightFieldPanel::LightFieldPanel(Document& document, LightFieldJobs& jobs, QWidg
   setObjectName("lightFieldPanel");
   tabs_->setObjectName("lightFieldTabs");
   tabs_->setDocumentMode(true);
+  auto* const narrow = new NarrowTabs("fusion");
+  narrow->setParent(tabs_);
+  tabs_->tabBar()->setStyle(narrow);
   tabs_->setUsesScrollButtons(false);
   tabs_->setElideMode(Qt::ElideRight);
   tabs_->addTab(&picture, tr("Light field"));

@@ -50,6 +50,7 @@
 #include "surface_props.h"
 #include "widgets/controls/notice.h"
 #include "widgets/controls/pointer.h"
+#include "widgets/controls/tool_row.h"
 #include "widgets/flame/flame_opacity.h"
 #include "widgets/image/ruler.h"
 #include "widgets/scene/ray_lines.h"

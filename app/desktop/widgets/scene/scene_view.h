@@ -26,6 +26,7 @@ class vtkRenderer;
 namespace plenoflame::desktop {
 
 class Notice;
+class ToolRow;
 struct SceneGeometry;
 
 /// The scene in three dimensions: flame, lens, array, sensor with the live image, rays.
@@ -116,7 +117,7 @@ class SceneView : public QWidget {
  private:
   struct View;
   void make_tools();
-  std::array<QWidget*, 4> make_drawing_tools();
+  void make_drawing_tools();
   void draw_to_scale();
   void update_schematic();
   void add_gaps();
@@ -180,7 +181,8 @@ class SceneView : public QWidget {
   bool aimed_ = false, warm_ = false, held_ = false;
   bool along_axis_ = false;  ///< aimed along x, y or z rather than as the part is seen best
   bool first_ = true;        ///< geometry: its parts come one by one
-  QWidget *tools_ = nullptr, *section_ = nullptr;
+  ToolRow* tools_ = nullptr;
+  QWidget* section_ = nullptr;
   std::vector<QWidget*> space_tools_;  ///< of three dimensions, which the section has no use for
   QComboBox *drawing_ = nullptr, *cut_ = nullptr;
   QSlider* cut_place_ = nullptr;

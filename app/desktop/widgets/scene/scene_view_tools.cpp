@@ -33,8 +33,8 @@
 #include "model/flame_glow.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
-#include "widgets/controls/flow_layout.h"
 #include "widgets/controls/glyphs.h"
+#include "widgets/controls/tool_row.h"
 #include "widgets/flame/flame_opacity.h"
 #include "widgets/scene/scene_geometry.h"
 #include "widgets/scene/scene_view_parts.h"
@@ -46,8 +46,9 @@ namespace {
 constexpr std::array<double, 3> kSurfaces{0.1, 0.5, 0.85};  ///< shares of the span of colours
 constexpr double kInkOfBar = 0.9;
 constexpr ScreenBox kBar{0.85, 0.2, 0.98, 0.8};  ///< of temperatures, in shares of the view
-constexpr ScreenBox kCube{0, 0, 0.17, 0.25};     ///< of the axes, in shares of the view
-constexpr double kShine = 3;                     ///< density of emission beside that of absorption
+/// The place of the axes, in shares of the view. Flames are on the left and in the middle.
+constexpr ScreenBox kCube{0.86, 0.85, 1, 1};
+constexpr double kShine = 3;  ///< density of emission beside that of absorption
 
 /// The same flame with what shines in the place of what absorbs.
 vtkSmartPointer<vtkImageData> shining(vtkImageData& flame) {
@@ -184,8 +185,8 @@ void SceneView::View::place_labels() {
 }
 
 void SceneView::make_tools() {
-  tools_ = new QWidget(this);
-  auto* flow = new FlowLayout(tools_);
+  tools_ = new ToolRow("moreOfScene",
+                       tr("Drawing of the flame, exposure, cut, direction of view, picture"), this);
   auto* group = new QActionGroup(this);
   const std::array<std::array<QString, 2>, 5> parts{
       {{tr("Scene"), tr("Flame and camera from the side")},
@@ -200,7 +201,7 @@ void SceneView::make_tools() {
     action->setCheckable(true);
     action->setChecked(i == 0);
     group->addAction(action);
-    flow->addWidget(button_for(action, tools_));
+    tools_->add(button_for(action, tools_));
     part_actions_[i] = action;
     connect(action, &QAction::triggered, this,
             [this, i] { emit part_requested(static_cast<int>(i)); });
@@ -212,7 +213,7 @@ void SceneView::make_tools() {
   section_mode_->setVisible(false);
   auto* section = button_for(section_mode_, tools_);
   section->hide();
-  flow->addWidget(section);
+  tools_->add(section);
   connect(section_mode_, &QAction::toggled, this, &SceneView::show_section);
   connect(section_mode_, &QAction::changed, section,
           [this, section] { section->setVisible(section_mode_->isVisible()); });
@@ -221,7 +222,7 @@ void SceneView::make_tools() {
     action->setObjectName(name);
     action->setToolTip(tip);
     space_tools_.push_back(button_for(action, tools_, true));
-    flow->addWidget(space_tools_.back());
+    tools_->add(space_tools_.back());
     return action;
   };
   shortened_ = tool(Glyph::shortened, tr("Shorten gaps"), "shortenGaps",
@@ -253,12 +254,12 @@ void SceneView::make_tools() {
     draw_to_scale();
     place_handles();
   });
-  connect(tool(Glyph::picture, tr("Picture..."), "scenePicture", tr("Save this view as a picture")),
-          &QAction::triggered, this, &SceneView::picture_requested);
-  for (QWidget* tools : make_drawing_tools()) {
-    space_tools_.push_back(tools);
-    flow->addWidget(tools);
-  }
+  make_drawing_tools();
+  auto* const picture = new QAction(glyph_icon(Glyph::picture), tr("Picture..."), this);
+  picture->setObjectName("scenePicture");
+  picture->setToolTip(tr("Save this view as a picture"));
+  connect(picture, &QAction::triggered, this, &SceneView::picture_requested);
+  tools_->add_spare(button_for(picture, tools_, true));
 }
 
 void SceneView::set_section(QWidget* section) {
@@ -277,10 +278,11 @@ void SceneView::show_section(bool on) {
   view_->widget->setVisible(!on);
   section_->setVisible(on);
   for (QWidget* const tool : space_tools_) tool->setVisible(!on);
+  tools_->show_spare(!on);
 }
 
 /// Choices of the flame's drawing, of what is cut away of it, and from where it is seen.
-std::array<QWidget*, 4> SceneView::make_drawing_tools() {
+void SceneView::make_drawing_tools() {
   auto* const tools = new QWidget(tools_);
   drawing_ = new QComboBox(tools_);
   drawing_->setObjectName("flameDrawing");
@@ -345,7 +347,9 @@ std::array<QWidget*, 4> SceneView::make_drawing_tools() {
     add_flame();
     render();
   });
-  return {drawing_, exposure_, cut_, tools};
+  for (QWidget* const spare : {static_cast<QWidget*>(drawing_), static_cast<QWidget*>(exposure_),
+                               static_cast<QWidget*>(cut_), tools})
+    tools_->add_spare(spare);
 }
 
 void SceneView::look_along(int axis) {

@@ -9,6 +9,7 @@
 #include <QHBoxLayout>
 #include <QLabel>
 #include <QLineEdit>
+#include <QPainter>
 #include <QProcess>
 #include <QProgressBar>
 #include <QPushButton>
@@ -17,8 +18,10 @@
 #include <algorithm>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 #include <variant>
 
+#include "model/scene_values.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_schema.h"
@@ -36,16 +39,60 @@ bool can_move(const SchemaKey& key) {
          key.type == ValueType::vector2 || key.type == ValueType::vector3;
 }
 
-/// "camera.lens.surfaces[2].radius" with empty brackets.
-std::string schema_path(const std::string& path) {
-  std::string out;
-  bool inside = false;
-  for (const char c : path) {
-    if (c == ']') inside = false;
-    if (!inside) out += c;
-    if (c == '[') inside = true;
+constexpr double kSpan = 0.1;                         ///< of the value, to each side
+constexpr double kAtZero = 0.1;                       ///< [SI unit] that a value of 0 goes up to
+constexpr double kLineLetters = 0.03;                 ///< height of letters, of the picture's
+constexpr int kLeastLineLetters = 12;                 ///< [pixel]
+constexpr auto kUsualEnd = ".focus.object_distance";  ///< that is moved where nothing was chosen
+
+/// Three digits read well.
+double rounded(double value) {
+  if (value == 0 || !std::isfinite(value)) return value;
+  const double digits = std::pow(10.0, std::floor(std::log10(std::fabs(value))) - 2);
+  return std::round(value / digits) * digits;
+}
+
+/// One end of a sensible span around a value. @param side -1 or 1
+SchemaValue end_of_span(const SchemaKey& key, const SchemaValue& value, double side) {
+  const auto moved = [&](double x, double reach) {
+    if (reach == 0) return side > 0 ? kAtZero : 0.0;
+    return x == 0 ? 0.0 : rounded(x + side * kSpan * x);
+  };
+  SchemaValue end = value;
+  if (const auto* const number = std::get_if<double>(&value)) {
+    end = moved(*number, *number);
+  } else if (const auto* const whole = std::get_if<std::int64_t>(&value)) {
+    const double by = std::max(1.0, kSpan * std::fabs(static_cast<double>(*whole)));
+    end = *whole + static_cast<std::int64_t>(std::llround(side * by));
+  } else if (const auto* const v = std::get_if<Vec2>(&value)) {
+    const double reach = std::hypot(v->x, v->y);
+    end = Vec2{moved(v->x, reach), moved(v->y, reach)};
+  } else if (const auto* const w = std::get_if<Vec3>(&value)) {
+    const double reach = length(*w);
+    end = Vec3{moved(w->x, reach), moved(w->y, reach), moved(w->z, reach)};
   }
-  return out;
+  return in_range(key, end) ? end : value;
+}
+
+/// The picture above a line that says which value it is of.
+QImage with_line(const QImage& picture, const QString& text) {
+  const int letters =
+      std::max(kLeastLineLetters, static_cast<int>(std::lround(kLineLetters * picture.height())));
+  QImage whole(picture.width(), picture.height() + 2 * letters, QImage::Format_RGB32);
+  whole.fill(QColor(13, 14, 17));
+  QImage part = picture;
+  part.setDevicePixelRatio(1);
+  QPainter painter(&whole);
+  painter.drawImage(0, 0, part);
+  QFont font = painter.font();
+  font.setPixelSize(letters);
+  painter.setFont(font);
+  const QRect line(letters / 2, picture.height(), picture.width() - letters, 2 * letters);
+  // The value is at the end, and stays where there is little room.
+  const QString said = QFontMetrics(font, &whole).elidedText(text, Qt::ElideLeft, line.width());
+  painter.setPen(QColor(226, 228, 231));
+  painter.drawText(line, Qt::AlignLeft | Qt::AlignVCenter, said);
+  return whole;
 }
 
 QString ffmpeg() {
@@ -56,7 +103,7 @@ QString ffmpeg() {
 
 std::string between(const std::string& path, const std::string& from, const std::string& to,
                     double share) {
-  const SchemaKey* const key = find_schema_key(schema_path(path));
+  const SchemaKey* const key = find_value(path);
   if (!key || !can_move(*key)) throw InputError(path + " is no number that can be moved");
   const SchemaValue a = value_from_text(*key, from), b = value_from_text(*key, to);
   const auto mix = [&](double x, double y) { return x + share * (y - x); };
@@ -102,10 +149,15 @@ FilmDialog::FilmDialog(Document& document, std::vector<View> views, std::functio
   setObjectName("filmDialog");
   setWindowTitle(tr("Film"));
   parameter_->setObjectName("filmParameter");
-  parameter_->setToolTip(tr("The number that is moved"));
-  for (const std::string& path : scene_paths(document_.scene()))
-    if (const SchemaKey* key = find_schema_key(schema_path(path)); key && can_move(*key))
-      parameter_->addItem(QString::fromStdString(path));
+  parameter_->setToolTip(tr("The number that is moved; its value stands below each picture"));
+  int usual = -1;
+  for (const std::string& path : value_paths(document_.scene())) {
+    const SchemaKey* const key = find_value(path);
+    if (!key || !can_move(*key)) continue;
+    parameter_->addItem(QString::fromStdString(path));
+    if (usual < 0 && path.ends_with(kUsualEnd)) usual = parameter_->count() - 1;
+  }
+  parameter_->setCurrentIndex(std::max(0, usual));
   view_->setObjectName("filmView");
   for (const View& view : views_) view_->addItem(view.name);
   from_->setObjectName("filmFrom");
@@ -169,9 +221,11 @@ void FilmDialog::set_parameter(const QString& path) {
     parameter_->setCurrentIndex(index);  // comes back here
     return;
   }
-  const QString value = QString::fromStdString(get_text(document_.scene(), path.toStdString()));
-  from_->setText(value);
-  to_->setText(value);
+  const std::string name = path.toStdString();
+  const SchemaKey& key = *find_value(name);
+  const SchemaValue value = key.get(document_.scene(), parse_path(name).indices);
+  for (const auto& [line, side] : {std::pair{from_, -1.0}, {to_, 1.0}})
+    line->setText(QString::fromStdString(value_to_text(key, end_of_span(key, value, side))));
 }
 
 void FilmDialog::ask() {
@@ -200,7 +254,10 @@ void FilmDialog::record(const QString& file) {
         throw InputError(path + ": " + error.what());
       }
     }
-    before_ = get_text(document_.scene(), path);
+    if (between(path, from_->text().toStdString(), to_->text().toStdString(), 0) ==
+        between(path, from_->text().toStdString(), to_->text().toStdString(), 1))
+      throw InputError(path + ": From and To are the same value, so that nothing would move");
+    before_ = value_text(document_.scene(), path);
     file_ = file;
     check_writable((ending == "png" ? QString::fromStdString(frame_name(0)) : file).toStdString());
   } catch (const Error& error) {
@@ -248,14 +305,18 @@ void FilmDialog::step() {
   if (!is_recording() || encoder_) return;
   settled_ = ready_() ? settled_ + 1 : 0;
   if (settled_ < kSettledPolls) return;
-  const QImage picture = views_[static_cast<std::size_t>(view_->currentIndex())].picture();
+  const std::string path = parameter_->currentText().toStdString();
+  const QImage picture =
+      with_line(views_[static_cast<std::size_t>(view_->currentIndex())].picture(),
+                QString::fromStdString(path + " = " + value_text(document_.scene(), path)));
   QByteArray bytes;
   QBuffer buffer(&bytes);
   buffer.open(QIODevice::WriteOnly);
   picture.save(&buffer, "PNG");
   const QString inside = folder_->filePath(QString("%1.png").arg(frame_, 5, 10, QChar('0')));
   QFile out(inside);
-  if (!out.open(QIODevice::WriteOnly) || out.write(bytes) != bytes.size()) {
+  // The last picture is read as soon as this one is written.
+  if (!out.open(QIODevice::WriteOnly) || out.write(bytes) != bytes.size() || !out.flush()) {
     finish(tr("'%1' cannot be written").arg(inside), false);
     return;
   }
@@ -336,7 +397,7 @@ void FilmDialog::finish(const QString& message, bool good) {
   }
   folder_.reset();
   // All of its steps were one edit.
-  if (moved_ && get_text(document_.scene(), parameter_->currentText().toStdString()) != before_)
+  if (moved_ && value_text(document_.scene(), parameter_->currentText().toStdString()) != before_)
     document_.undo();
   emit ended();
   record_->setEnabled(true);

@@ -27,7 +27,8 @@ class FileChooser;
 std::string between(const std::string& path, const std::string& from, const std::string& to,
                     double share);
 
-/// A film of one parameter that moves from one value to another. Each step gives a picture. The
+/// A film of one parameter that moves from one value to another. Each step gives a picture, with
+/// the value below it. The
 /// pictures become files, or a film by ffmpeg if that is installed. At the end the scene is as
 /// before.
 class FilmDialog : public QDialog {
@@ -43,7 +44,7 @@ class FilmDialog : public QDialog {
   FilmDialog(Document& document, std::vector<View> views, std::function<bool()> ready,
              FileChooser& chooser, QWidget* parent = nullptr);
   ~FilmDialog() override;
-  /// The parameter that is moved, with its present value at both ends.
+  /// The parameter that is moved, with ends to both sides of its present value.
   void set_parameter(const QString& path);
   /// Begins; file .png: numbered pictures, .mp4 or .gif: a film.
   void record(const QString& file);

@@ -128,6 +128,8 @@ class MainWindow : public QMainWindow {
   void start_tour();
   void make_film();
   void choose_measured();
+  void say_gain();
+  void renew_measured();
   void compare_with(const QString& file);
   void select_next_type();
   void show_preferences();
@@ -183,6 +185,7 @@ class MainWindow : public QMainWindow {
   bool unattended_ = false;
   bool split_by_hand_ = false, had_selection_ = false;
   QString last_message_;
+  QTimer measured_later_;       ///< it is read once more
   QString standing_failure_;    ///< in the status bar until it is mended
   unsigned scenes_opened_ = 0;  ///< at once, without files_
   FileTasks* files_ = nullptr;

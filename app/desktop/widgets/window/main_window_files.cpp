@@ -291,12 +291,43 @@ bool MainWindow::open_measured(const QString& path, const std::function<void()>&
       [path, field, scene = document.scene_of_camera().scene](const Execution& execution) {
         *field = read_measured(path.toStdString(), scene, execution);
       },
-      [this, field, name, then, number = scenes_opened_] {
+      [this, path, field, name, then, number = scenes_opened_] {
         if (number != scenes_opened_) return;  // it was of another scene
-        session_.measured().set(*field, name);
+        const bool counts = !path.endsWith(".exr", Qt::CaseInsensitive);
+        session_.measured().set(*field, name, counts ? path : QString());
+        if (counts) say_gain();
         if (then) then();
       });
   return true;
+}
+
+void MainWindow::say_gain() {
+  const QString name = session_.measured().name();
+  statusBar()->showMessage(
+      session_.measured().counts_path().isEmpty()
+          ? tr("%1 keeps the gain of its import, whatever the scene's sensor has").arg(name)
+          : gain_in_words(name, session_.document().camera().sensor),
+      20000);
+}
+
+/// The counts of a camera's file become electrons by the scene's gain, also by another one.
+void MainWindow::renew_measured() {
+  const auto before = session_.measured().field();
+  if (!before || !session_.document().is_valid()) return;
+  const QString path = session_.measured().counts_path();
+  if (path.isEmpty()) return say_gain();
+  auto field = std::make_shared<std::shared_ptr<const LightField>>();
+  files_->add(
+      tr("reading %1").arg(session_.measured().name()),
+      [path, field,
+       scene = session_.document().scene_of_camera().scene](const Execution& execution) {
+        *field = read_measured(path.toStdString(), scene, execution);
+      },
+      [this, field, before] {
+        if (before != session_.measured().field()) return;
+        session_.measured().renew(*field);
+        say_gain();
+      });
 }
 
 void MainWindow::export_rays() {

@@ -21,6 +21,11 @@
 
 // The window follows the session, and the session what is selected in the window.
 namespace plenoflame::desktop {
+namespace {
+
+constexpr int kReadAgainAfter = 250;  ///< [ms] after the last of several edits in a row
+
+}  // namespace
 
 void MainWindow::connect_session() {
   Document& document = session_.document();
@@ -67,9 +72,16 @@ void MainWindow::connect_session() {
     section_->set_rays(rays, rays_->chosen());
     image_->view().set_marks(rays ? rays->pixels : std::vector<Pixel>{});
   });
-  connect(image_, &ImagePanel::pyramid_changed, this,
-          [this] { scene_view_->set_image(image_->flux_pyramid()); });
+  connect(image_, &ImagePanel::pyramid_changed, this, [this] {
+    scene_view_->set_image(image_->flux_pyramid());
+    show_state();  // the picture of the scene before is gone
+  });
   connect(image_, &ImagePanel::map_changed, light_field_, &LightFieldPanel::set_map);
+  measured_later_.setSingleShot(true);
+  measured_later_.setInterval(kReadAgainAfter);
+  connect(&measured_later_, &QTimer::timeout, this, &MainWindow::renew_measured);
+  connect(&session_.measured(), &MeasuredPicture::outdated, this,
+          [this] { measured_later_.start(); });
   connect(&session_, &Session::failed, this, [this](const QString& what, const QString& message) {
     last_message_ = message;
     standing_failure_ = what + ": " + message;
@@ -101,6 +113,8 @@ void MainWindow::show_state() {
   const QString& failure = session_.compiler().failure();
   const bool compiling = !shown.is_empty() && shown.is_valid() && failure.isEmpty() &&
                          !session_.compiler().is_current();
+  const bool gone = !session_.compiler().compiled();
+  if (gone && !failure.isEmpty()) image_->drop_left_over();
   const bool old = shown.image() && !shown.image_is_current();
   QStringList said{running     ? tr("rendering, %1 %").arg(100 * job.status().fraction, 0, 'f', 0)
                    : compiling ? tr("preparing the scene")
@@ -111,14 +125,15 @@ void MainWindow::show_state() {
   said.removeAll(QString());
   status_line_->setText(said.join(", "));
   status_line_->setVisible(!said.isEmpty());
-  const bool gone = !session_.compiler().compiled();
   const QString notice = failure.isEmpty() ? QString()
                          : gone            ? failure
                                            : tr("As before the last change: ") + failure;
   show_pixel_of_picture();
   scene_view_->set_notice(notice);
   section_->set_notice(notice);
-  image_->view().set_badge(old ? tr("older than the last change") : QString());
+  image_->view().set_badge(image_->is_left_over() ? tr("of the scene before")
+                           : old                  ? tr("older than the last change")
+                                                  : QString());
   image_->view().set_empty_text(failure.isEmpty() ? QString() : failure);
   light_field_->set_notice(gone && !failure.isEmpty() ? failure : QString(),
                            session_.views_are_old());

@@ -150,7 +150,7 @@ void MainWindow::make_film() {
   if (session_.document().is_empty()) return fail(tr("There is no scene yet."));
   auto* const film = new FilmDialog(
       session_.document(),
-      {{tr("the picture"), [this] { return image_->view().grab().toImage(); }},
+      {{tr("the picture"), [this] { return image_->view().drawn(); }},
        {tr("the 3-D view"), [this] { return scene_view_->picture(); }, true},
        {tr("the section"), [this] { return section_->grab().toImage(); }},
        {tr("the window"),
