@@ -8,7 +8,7 @@
 
 namespace plenoflame::python {
 
-/// The counterpart of vtkPlenoflameCompiledCamera in the package without VTK.
+/// A camera whose rays are found once, or read from a file.
 class CompiledCameraRun : public Runnable {
  public:
   void run(const Execution& execution) override;

@@ -37,7 +37,7 @@ py::array places_of(const Unknowns& unknowns) {
   return given(std::move(places), {count, 3});
 }
 
-/// Makes an operator, as vtkPlenoflameOperator does.
+/// Makes an operator of one or several cameras.
 class OperatorRun : public Runnable {
  public:
   void run(const Execution& execution) override {
@@ -142,7 +142,7 @@ void bind_operator(py::module_& module) {
       .def("Times", &Run::times);
 }
 
-/// Reconstructs, as vtkPlenoflameReconstruction does.
+/// Reconstructs a flame from pictures.
 class ReconstructionRun : public Runnable {
  public:
   void run(const Execution& execution) override { task.run(execution); }

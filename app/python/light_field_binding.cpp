@@ -21,7 +21,7 @@ namespace {
 namespace py = pybind11;
 using Field = std::shared_ptr<LightField>;
 
-/// Renders as vtkPlenoflameLightFieldSource does.
+/// Renders a scene.
 class LightFieldSource : public Runnable {
  public:
   void run(const Execution& execution) override {
@@ -84,10 +84,10 @@ std::vector<std::string> layers_of(const LightField& field) {
   return names;
 }
 
+/// Plain values that hold all of it; pictures share its memory.
 py::dict state_of(const Field& field) {
   py::dict images, state;
-  for (const auto& [name, image] : images_of(*field))
-    images[py::str(name)] = array_of(field, name).attr("copy")();
+  for (const auto& [name, image] : images_of(*field)) images[py::str(name)] = array_of(field, name);
   const PixelWindow& w = field->window;
   state["images"] = images;
   state["channels"] = channels_of(*field);
@@ -191,6 +191,7 @@ void bind_light_field(py::module_& module) {
              return py::make_tuple(f.window.x, f.window.y, f.window.width, f.window.height);
            })
       .def("Complete", [](const LightField& f) { return f.complete; })
+      .def("Unit", [](const LightField& f) { return f.unit; })
       .def("Sensor",
            [](const LightField& f) { return py::make_tuple(f.sensor_width, f.sensor_height); })
       .def("State", &state_of)

@@ -4,20 +4,15 @@
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
 #include <vtkObjectFactory.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
 
 #include <algorithm>
-#include <array>
 
 #include "light_field_image.h"
 #include "pipeline_run.h"
-#include "plenoflame/base/error.h"
-#include "plenoflame/render/compiled_camera.h"
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/ground_truth.h"
 #include "plenoflame/render/render_request.h"
 #include "scene_algorithm.h"
-#include "vtkPlenoflameCompiledCamera.h"
 #include "vtkPlenoflameScene.h"
 
 vtkStandardNewMacro(vtkPlenoflameLightFieldSource);
@@ -27,16 +22,6 @@ vtkPlenoflameLightFieldSource::vtkPlenoflameLightFieldSource() {
 }
 
 vtkPlenoflameLightFieldSource::~vtkPlenoflameLightFieldSource() = default;
-
-void vtkPlenoflameLightFieldSource::SetCompiledCamera(vtkPlenoflameCompiledCamera* camera) {
-  if (this->CompiledCamera == camera) return;
-  this->CompiledCamera = camera;
-  this->Modified();
-}
-
-vtkPlenoflameCompiledCamera* vtkPlenoflameLightFieldSource::GetCompiledCamera() {
-  return this->CompiledCamera;
-}
 
 void vtkPlenoflameLightFieldSource::PrintSelf(ostream& os, vtkIndent indent) {
   this->Superclass::PrintSelf(os, indent);
@@ -50,7 +35,6 @@ void vtkPlenoflameLightFieldSource::PrintSelf(ostream& os, vtkIndent indent) {
      << indent << "NumberOfThreads: " << this->NumberOfThreads << "\n"
      << indent << "StandardError: " << this->StandardError << "\n"
      << indent << "Truth: " << this->Truth << "\n"
-     << indent << "CompiledCamera: " << (this->CompiledCamera ? "given" : "none") << "\n"
      << indent << "Complete: " << this->Complete << "\n"
      << indent << "RelativeError: " << this->RelativeError << "\n"
      << indent << "NumberOfRays: " << this->NumberOfRays << "\n";
@@ -69,16 +53,9 @@ int vtkPlenoflameLightFieldSource::RequestInformation(vtkInformation*,
   if (!plenoflame::pipeline::run_here(*this,
                                       [&] { sensor = scene->GetSceneOfCamera().camera.sensor; }))
     return 0;
-  int width = this->Window[2] > 0 ? this->Window[2] : std::max(1, sensor.columns);
-  int height = this->Window[2] > 0 ? this->Window[3] : std::max(1, sensor.rows);
-  if (const auto rays = this->CompiledCamera ? this->CompiledCamera->GetRays() : nullptr;
-      rays && this->Window[2] == 0) {
-    width = rays->window.width;
-    height = rays->window.height;
-  }
-  const std::array<int, 6> extent{0, width - 1, 0, height - 1, 0, 0};
-  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                        extent.data(), 6);
+  const int width = this->Window[2] > 0 ? this->Window[2] : std::max(1, sensor.columns);
+  const int height = this->Window[2] > 0 ? this->Window[3] : std::max(1, sensor.rows);
+  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0), width, height);
   return 1;
 }
 
@@ -105,11 +82,6 @@ int vtkPlenoflameLightFieldSource::RequestData(vtkInformation*, vtkInformationVe
         if (this->Window[2] != 0)  // render() checks it
           settings.window = {this->Window[0], this->Window[1], this->Window[2], this->Window[3]};
         settings.standard_error = this->StandardError;
-        if (this->CompiledCamera) {
-          settings.compiled = this->CompiledCamera->GetRays();
-          if (!settings.compiled)
-            throw plenoflame::UsageError("the compiled camera has no rays yet: call its Update()");
-        }
         plenoflame::RenderResult result = plenoflame::render(*compiled, settings, execution);
         plenoflame::describe(*compiled, result.light_field);
         if (this->Truth) {

@@ -14,9 +14,6 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkPlenoflameModule.h"  // for export macro
-#include "vtkSmartPointer.h"      // for the compiled camera
-
-class vtkPlenoflameCompiledCamera;
 
 class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgorithm {
  public:
@@ -105,15 +102,6 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
 
   ///@{
   /**
-   * Rays that were found before, in place of new ones; nullptr (default): none. Samples, Seed,
-   * Estimator, TargetError and TimeLimit do not count then.
-   */
-  void SetCompiledCamera(vtkPlenoflameCompiledCamera* camera);
-  vtkPlenoflameCompiledCamera* GetCompiledCamera();
-  ///@}
-
-  ///@{
-  /**
    * About the last run: false when it was aborted; the estimated relative RMSE over lit pixels (-1:
    * not known); rays sent.
    */
@@ -142,7 +130,6 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameLightFieldSource : public vtkImageAlgori
   int NumberOfThreads = 0;
   bool StandardError = true;
   bool Truth = false;
-  vtkSmartPointer<vtkPlenoflameCompiledCamera> CompiledCamera;
   bool Complete = true;
   double RelativeError = -1, NumberOfRays = 0;
 
