@@ -26,7 +26,7 @@ from vtkmodules.vtkCommonCore import vtkOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkMultiBlockDataSet, vtkPolyData
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
-SCHEMA = {path: (about, unit, allowed) for path, about, unit, allowed in _core.GetSchema()}
+SCHEMA = {path: (about, unit, allowed) for path, about, unit, allowed in _core.schema()}
 
 
 def words(path):
@@ -520,4 +520,4 @@ class PlenoflameDevelop(_Filter):
         picture = field.develop(saturation=self._saturation, bits=self._bits, curve=("display", "linear")[self._curve],
                                 channel=self._channel)
         return picture_to_image({"digital_number": picture}, 1,
-                                (x + 0.5, field._data.Sensor()[1] - y - height + 0.5))
+                                (x + 0.5, field._data.sensor[1] - y - height + 0.5))

@@ -39,9 +39,9 @@ def camera_to_blocks(scene):
     """The camera's surfaces as a vtkMultiBlockDataSet of named blocks."""
     output = vtkMultiBlockDataSet()
     source = _core.CameraSource()
-    source.SetInputDataObject(scene._scene)
-    source.Run(lambda _fraction: 0, lambda _warning: None)
-    for number, (name, mesh) in enumerate(source.GetOutput().items()):
+    source.scene = scene._scene
+    source.run(lambda _fraction: 0, lambda _warning: None)
+    for number, (name, mesh) in enumerate(source.output.items()):
         output.SetBlock(number, _polygons(mesh))
         output.GetMetaData(number).Set(output.NAME(), name)
     return output

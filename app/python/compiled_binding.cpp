@@ -7,6 +7,7 @@
 #include "compiled_handle.h"
 #include "figures_json.h"
 #include "plenoflame/base/error.h"
+#include "values.h"
 
 namespace plenoflame::python {
 
@@ -21,34 +22,25 @@ void CompiledCameraRun::run(const Execution& execution) {
 
 void bind_compiled_camera(py::module_& module) {
   using Run = CompiledCameraRun;
-  py::class_<Run, Runnable>(module, "CompiledCamera")
-      .def(py::init<>())
-      .def("SetScene",
-           [](Run& r, std::shared_ptr<SceneHandle> scene) { r.scene = std::move(scene); })
-      .def("SetError", [](Run& r, double error) { r.settings.error = error; })
-      .def("SetSamples", [](Run& r, int samples) { r.settings.samples = samples; })
-      .def("SetLevel", [](Run& r, int level) { r.settings.level = level; })
-      .def("SetSeed", [](Run& r, std::uint64_t seed) { r.settings.seed = seed; })
-      .def("SetMargin", [](Run& r, double margin) { r.settings.margin = margin; })
-      .def("SetWindow",
-           [](Run& r, int x, int y, int width, int height) {
-             r.settings.window = {x, y, width, height};
-           })
-      .def("SetRegion",
-           [](Run& r, double x, double y, double z, double x2, double y2, double z2) {
-             r.settings.region = {{x, y, z}, {x2, y2, z2}};
-           })
-      .def("Read",
+  py::class_<Run, Runnable> camera(module, "CompiledCamera");
+  attributes(camera, &Run::settings, "error", &CompileSettings::error, "samples",
+             &CompileSettings::samples, "level", &CompileSettings::level, "seed",
+             &CompileSettings::seed, "margin", &CompileSettings::margin, "window",
+             &CompileSettings::window, "region", &CompileSettings::region);
+  camera.def(py::init<>())
+      .def_readwrite("scene", &Run::scene)
+      .def("read",
            [](Run& r, const std::string& path) {
              r.rays = std::make_shared<const CompiledCamera>(read_bundle(path));
            })
-      .def("Write",
+      .def("write",
            [](const Run& r, const std::string& path) {
              if (!r.rays) throw Cancelled();
              write_bundle(path, *r.rays);
            })
-      .def("GetFiguresAsJson",
-           [](const Run& r) { return r.rays ? compiled_camera_json(*r.rays) : std::string(); });
+      .def_property_readonly("figures", [](const Run& r) {
+        return r.rays ? compiled_camera_json(*r.rays) : std::string();
+      });
 }
 
 }  // namespace plenoflame::python

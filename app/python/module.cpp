@@ -56,9 +56,8 @@ PYBIND11_MODULE(_core, module) {
     }
   });
   py::class_<Runnable>(module, "Runnable")
-      .def("SetNumberOfThreads",
-           [](Runnable& runnable, int threads) { runnable.threads = threads; })
-      .def("Run", &run_watched);
+      .def_readwrite("threads", &Runnable::threads)
+      .def("run", &run_watched, py::arg("on_progress"), py::arg("on_warning"));
   bind_scene(module);
   bind_camera(module);
   bind_compiled_camera(module);  // before what takes it

@@ -130,7 +130,7 @@ def test_vdb_keeps_its_place():
 def test_turned_voxels_keep_their_directions():
     """A quarter turn about z: the image's x axis is the world's y."""
     turned = _core.Voxels((2, 3, 4), (1, 2, 3), (1e-3, 2e-3, 3e-3), [(0, 1, 0), (-1, 0, 0), (0, 0, 1)])
-    turned.Add("temperature", numpy.arange(24.0).reshape(2, 3, 4))
+    turned.add("temperature", numpy.arange(24.0).reshape(2, 3, 4))
     image = plenoflame.Flame(turned).to_vtk()
     at = [0.0] * 3
     image.TransformIndexToPhysicalPoint(1, 2, 3, at)
@@ -138,7 +138,7 @@ def test_turned_voxels_keep_their_directions():
 
 
 def test_properties_are_those_of_the_schema():
-    about = {path: description for path, description, _, _ in _core.GetSchema()}
+    about = {path: description for path, description, _, _ in _core.schema()}
     field = PlenoflameLightField()
     for name, path in (("Samples", "render.samples"), ("Seed", "render.seed"), ("Estimator", "render.estimator")):
         said = field.GetProperty(name).SMProperty.GetDocumentation().GetDescription()

@@ -72,8 +72,8 @@ class Reconstruct(PackageTest):
         operator = self.small.operator(**self.RINGS)
         matrix = operator.matrix
         self.assertIs(operator.matrix, matrix)
-        for mine, theirs in ((matrix.data, operator._algorithm.GetValues()),
-                             (matrix.indices, operator._algorithm.GetColumnIndices())):
+        for mine, theirs in ((matrix.data, operator._algorithm.values),
+                             (matrix.indices, operator._algorithm.column_indices)):
             self.assertTrue(numpy.shares_memory(mine, theirs))
         with self.assertRaises(ValueError):
             matrix.data[0] = 1

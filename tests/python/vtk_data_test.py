@@ -74,9 +74,9 @@ class Conversions(PackageTest):
 
     def test_texts_of_a_light_field_pass_the_pipeline(self):
         """The part of a picture that it is, for example, which a merge needs."""
-        state = self.scene(20).render(samples=2)._data.State()
+        state = self.scene(20).render(samples=2)._data.state
         state["attributes"] = {"maker": "a", "serial number": "b c"}
-        field = plenoflame.LightField(_core.LightField.FromState(state))
+        field = plenoflame.LightField(_core.LightField.from_state(state))
         writer = vtk.vtkPlenoflameLightFieldWriter()
         writer.SetInputDataObject(field.to_vtk())
         writer.SetFileName(str(self.folder / "a.exr"))
@@ -85,11 +85,11 @@ class Conversions(PackageTest):
         reader.SetFileName(str(self.folder / "a.exr"))
         reader.Update()
         for back in (plenoflame.read_light_field(self.folder / "a.exr"), plenoflame.LightField.from_vtk(reader.GetOutput())):
-            self.assertEqual(back._data.State()["attributes"], state["attributes"])
+            self.assertEqual(back._data.state["attributes"], state["attributes"])
         older = field.to_vtk()  # a file of VTK's from before texts were kept
         for name in ("texts", "text_names"):
             older.GetFieldData().RemoveArray("plenoflame." + name)
-        self.assertEqual(plenoflame.LightField.from_vtk(older)._data.State()["attributes"], {})
+        self.assertEqual(plenoflame.LightField.from_vtk(older)._data.state["attributes"], {})
         writer.SetInputDataObject(older)
         self.assertTrue(writer.Write())
 
@@ -123,8 +123,8 @@ class Conversions(PackageTest):
         directions = [(0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, 1)]
         voxels = _core.Voxels((3, 4, 5), (1, -2, 0.5), (1e-3, 2e-3, 3e-3), directions)
         values = 1000.0 + numpy.arange(60).reshape(3, 4, 5)
-        voxels.Add("temperature", values)
-        voxels.Add("absorption", values / 100)
+        voxels.add("temperature", values)
+        voxels.add("absorption", values / 100)
         return plenoflame.Flame(voxels)
 
     def test_a_flame_shares_its_memory(self):

@@ -26,7 +26,7 @@ def set_options(algorithm, **options):
     with errors_of(algorithm):
         for name, value in options.items():
             if value is not None:
-                algorithm.SetOption(name.replace("_", "-"), value)
+                algorithm.set_option(name.replace("_", "-"), value)
 
 
 def unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel):

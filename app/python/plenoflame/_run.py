@@ -46,7 +46,7 @@ def errors_of(*objects):
         yield
     except Failure as failure:
         errors.append(str(failure))
-    deliver(errors, [text for subject in objects if hasattr(subject, "TakeWarnings") for text in subject.TakeWarnings()])
+    deliver(errors, [text for subject in objects if hasattr(subject, "take_warnings") for text in subject.take_warnings()])
 
 
 def need_vtk(what):
@@ -73,9 +73,17 @@ def _interrupt_noted(noted):
         before(noted[0], None)  # Python's own raises KeyboardInterrupt
 
 
+def made(kind, **attributes):
+    """An object of the library that has these attributes."""
+    thing = kind()
+    for name, value in attributes.items():
+        setattr(thing, name, value)
+    return thing
+
+
 def _run_library(algorithm, on_progress, on_message):
     try:
-        algorithm.Run(on_progress, lambda text: on_message(0, text))
+        algorithm.run(on_progress, lambda text: on_message(0, text))
     except Failure as failure:
         on_message(1, str(failure))
 

@@ -23,7 +23,7 @@ class CompiledCamera:
 
     def __init__(self, algorithm):
         self._camera = algorithm
-        text = algorithm.GetFiguresAsJson()
+        text = algorithm.figures
         if not text:
             raise Error("stopped before the camera was compiled")
         self._figures = json.loads(text)
@@ -70,7 +70,7 @@ class CompiledCamera:
     def save(self, path):
         """Writes it for --compiled of the command, and read_bundle(). Raises Error."""
         with errors_of(self._camera):
-            self._camera.Write(os.fspath(path))
+            self._camera.write(os.fspath(path))
 
 
 def _camera_of(content):
@@ -88,5 +88,5 @@ def read_bundle(path):
     """
     algorithm = _core.CompiledCamera()
     with errors_of(algorithm):
-        algorithm.Read(os.fspath(path))
+        algorithm.read(os.fspath(path))
     return CompiledCamera(algorithm)

@@ -8,7 +8,7 @@ import numpy
 
 from . import _check, _core, _home
 from ._arguments import refusal
-from ._run import Error, need_vtk, update
+from ._run import Error, made, need_vtk, update
 
 
 class Flame(_home.AtHome):
@@ -56,22 +56,22 @@ class Flame(_home.AtHome):
     @property
     def arrays(self):
         """{name: array [i, j, k]}, views without a copy."""
-        return {name: self._data.Array(name) for name in self._data.ArrayNames()}
+        return self._data.arrays
 
     @property
     def spacing(self):
         """Between voxels along the three axes [m]."""
-        return self._data.Spacing()
+        return self._data.spacing
 
     @property
     def origin(self):
         """Place of voxel [0, 0, 0] [m]."""
-        return self._data.Origin()
+        return self._data.origin
 
     @property
     def directions(self):
         """Unit vectors of the three axes."""
-        return self._data.Direction()
+        return self._data.directions
 
     def __getitem__(self, name):
         arrays = self.arrays
@@ -116,7 +116,7 @@ def _flame_of(arrays, spacing, origin, directions):
     """A Flame of arrays [i, j, k] of numbers, which are copied."""
     voxels = _core.Voxels(next(iter(arrays.values())).shape if arrays else (0, 0, 0), origin, spacing, directions)
     for name, values in arrays.items():
-        voxels.Add(name, values)
+        voxels.add(name, values)
     return Flame(voxels)
 
 
@@ -130,7 +130,7 @@ def voxels_of(flame):
 def flame_generators():
     """The flames that can be generated: a list of {"name", "what", "parameters": [{"name", "about", "value", "unit"}]}.
     Each value is the default, as text with its unit."""
-    return json.loads(_core.FlameGenerator.GetGeneratorsAsJson())
+    return json.loads(_core.flame_generators())
 
 
 def make_flame(name, *, progress=None, **parameters):
@@ -149,11 +149,9 @@ def make_flame(name, *, progress=None, **parameters):
     for key in parameters:
         if key not in known.get(name, parameters):
             raise TypeError(refusal("make_flame", key, known[name]))
-    generator = _core.FlameGenerator()
-    generator.SetFlameName(_check.text("name", name))
-    for key, value in parameters.items():
-        generator.SetParameter(key, getattr(value, "text", str(value)))
-    return Flame(update(generator, progress, "flame").GetOutput())
+    generator = made(_core.FlameGenerator, name=_check.text("name", name),
+                     parameters={key: getattr(value, "text", str(value)) for key, value in parameters.items()})
+    return Flame(update(generator, progress, "flame").output)
 
 
 def flame_from_arrays(temperature, absorption, *, spacing, origin=(0, 0, 0), **lines):
@@ -209,10 +207,7 @@ def read_flame(path, *, grid=""):
     """Reads the grids of a .vdb file as a Flame with "temperature" [K] and "absorption" [1/m], or any one grid by its name. A
     file with neither of them, as a reconstruction of emission alone, gives all its grids. Origin, spacing and directions
     place it as the file says. Raises Error."""
-    reader = _core.FlameReader()
-    reader.SetFileName(os.fspath(path))
-    reader.SetGridName(grid)
-    return Flame(update(reader).GetOutput())
+    return Flame(update(made(_core.FlameReader, path=os.fspath(path), grid=grid)).output)
 
 
 def import_flame(path, *, temperature="T", temperature_unit="K", absorption="", absorption_unit="1/m", soot="",
@@ -265,11 +260,5 @@ def _run_import(source, on_progress, on_message):
 def write_flame(path, flame, *, temperature="temperature", absorption="absorption", ambient=293.15, half=False):
     """Writes a Flame as grids. temperature, absorption: names of its arrays, in K and 1/m;
     ambient: temperature outside [K]; half: values with 16 bits. Raises Error."""
-    writer = _core.FlameWriter()
-    writer.SetInputData(voxels_of(flame))
-    writer.SetFileName(os.fspath(path))
-    writer.SetTemperatureArray(temperature)
-    writer.SetAbsorptionArray(absorption)
-    writer.SetAmbientTemperature(ambient)
-    writer.SetHalf(half)
-    update(writer)
+    update(made(_core.FlameWriter, input=voxels_of(flame), path=os.fspath(path), temperature=temperature, absorption=absorption,
+                ambient=ambient, half=half))

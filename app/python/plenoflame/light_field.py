@@ -9,9 +9,9 @@ import threading
 import numpy
 
 from . import _check, _core, _home
-from ._run import Error, update
+from ._run import Error, made, update
 
-_RESAMPLINGS = {"nearest": 0, "barycentric": 1, "paper9": 2, "paper10": 3}
+_RESAMPLINGS = ("nearest", "barycentric", "paper9", "paper10")
 
 
 class LightField(_home.AtHome):
@@ -46,10 +46,10 @@ class LightField(_home.AtHome):
         """The same as a vtkImageData, an input for the filters of plenoflame.vtk. Its rows run upwards, as VTK's do, so it is a
         copy. Raises Error without VTK."""
         from ._vtk import light_field_to_image
-        return light_field_to_image(self._data.State())
+        return light_field_to_image(self._data.state)
 
     def __reduce__(self):
-        return _light_field_of, (self._data.State(), self.relative_error)
+        return _light_field_of, (self._data.state, self.relative_error)
 
     def copy(self):
         """An independent copy."""
@@ -94,40 +94,40 @@ class LightField(_home.AtHome):
     @property
     def channels(self):
         """Names of the channels."""
-        return self._data.Channels()
+        return self._data.channels
 
     @property
     def unit(self):
         """"W", and "e-" or "DN" of pictures that were imported so."""
-        return self._data.Unit()
+        return self._data.unit
 
     @property
     def scene_text(self):
         """The scene that it was rendered from, as TOML."""
-        return self._data.SceneText()
+        return self._data.scene_text
 
     @property
     def window(self):
         """The part of the sensor that it holds: (x, y, width, height) from the top left."""
-        return self._data.Window()
+        return self._data.window
 
     @property
     def complete(self):
         """False when the run was ended early."""
-        return self._data.Complete()
+        return self._data.complete
 
     def __getitem__(self, channel):
         """Flux [W] of a channel by its name; NAME.error is its standard error; a layer by its name."""
-        values = self._data.Array(channel)
-        if values is None:
-            raise Error(f"the image has no array '{channel}'; it has {', '.join(self._data.ArrayNames()) or 'none'}")
-        return values
+        arrays = self._data.arrays
+        if channel not in arrays:
+            raise Error(f"the image has no array '{channel}'; it has {', '.join(arrays) or 'none'}")
+        return arrays[channel]
 
     @property
     def layers(self):
         """Names of further layers, "truth.distance" among them (Scene.render with truth=True); read one as
         light_field["truth.distance"]."""
-        return self._data.Layers()
+        return self._data.layers
 
     def __setitem__(self, channel, values):
         """Writes new values into the memory of a channel or layer."""
@@ -154,16 +154,14 @@ class LightField(_home.AtHome):
 
     def save(self, path):
         """Writes the light field as EXR."""
-        writer = _core.LightFieldWriter()
-        writer.SetInputData(self._data)
-        writer.SetFileName(_check.file(path, ".exr", "; develop() makes a picture of it"))
-        update(writer)
+        update(made(_core.LightFieldWriter, input=self._data, path=_check.file(path, ".exr", "; develop() makes a picture of it")))
 
-    def _filter(self, kind):
+    def _filter(self, kind, **attributes):
         """Kept, since a filter remembers the micro-images of the camera."""
         if kind not in self._filters:
-            self._filters[kind] = kind()
-            self._filters[kind].SetInputData(self._data)
+            self._filters[kind] = made(kind, input=self._data)
+        for name, value in attributes.items():
+            setattr(self._filters[kind], name, value)
         return self._filters[kind]
 
     def develop(self, *, saturation=0.0, bits=14, curve="display", channel=""):
@@ -172,16 +170,11 @@ class LightField(_home.AtHome):
         saturation: flux [W] that gives the largest value; 0: 99.9 % of the lit pixels do not exceed it
         curve: "display" (sRGB) or "linear"
         """
-        curve = ["linear", "display"].index(_check.choice("curve", curve, ("linear", "display")))
-        saturation = _check.number("saturation", saturation, 0)
-        bits = _check.whole("bits", bits, 1, 16)
+        curve = _check.choice("curve", curve, ("linear", "display"))
+        attributes = {"saturation": _check.number("saturation", saturation, 0), "bits": _check.whole("bits", bits, 1, 16),
+                      "curve": getattr(_core.ToneCurve, curve), "channel": _check.text("channel", channel)}
         with self._filtering:
-            develop = self._filter(_core.Develop)
-            develop.SetSaturation(saturation)
-            develop.SetBits(bits)
-            develop.SetCurve(curve)
-            develop.SetChannel(_check.text("channel", channel))
-            return update(develop).GetOutput()["digital_number"]
+            return update(self._filter(_core.Develop, **attributes)).output
 
     def views(self, grid=7, *, spread=0.7, resampling="barycentric", white_correction=True, channel="", threads=0,
               progress=None):
@@ -194,28 +187,18 @@ class LightField(_home.AtHome):
             >>> len(views), views[1, 1].shape == views[0, 2].shape
             (9, True)
         """
-        resampling = _RESAMPLINGS[_check.choice("resampling", resampling, _RESAMPLINGS)]
-        grid = _check.whole("grid", grid, 1, 99)
-        spread = _check.number("spread", spread, 0, 1)
-        threads = _check.whole("threads", threads, 0, 1024)
+        attributes = {"resampling": getattr(_core.Resampling, _check.choice("resampling", resampling, _RESAMPLINGS)),
+                      "grid": _check.whole("grid", grid, 1, 99), "spread": _check.number("spread", spread, 0, 1),
+                      "white_correction": bool(white_correction), "channel": _check.text("channel", channel),
+                      "threads": _check.whole("threads", threads, 0, 1024)}
         with self._filtering:
-            views = self._filter(_core.Views)
-            views.SetGrid(grid)
-            views.SetSpread(spread)
-            views.SetResampling(resampling)
-            views.SetWhiteCorrection(bool(white_correction))
-            views.SetChannel(_check.text("channel", channel))
-            views.SetNumberOfThreads(threads)
-            update(views, progress, "views")
-            return Views(views, grid, "radiance" if white_correction else "flux", spread, self.scene_text)
+            views, sheet = update(self._filter(_core.Views, **attributes), progress, "views").output
+            return Views(views, sheet, grid, "W/(m^2 sr)" if white_correction else "W", spread, self.scene_text)
 
     def _refocusing(self, kind, width, aperture, channel, threads):
-        refocus = self._filter(kind)
-        refocus.SetWidth(_check.whole("width", width, 0, 20000))
-        refocus.SetAperture(_check.number("aperture", aperture, 1e-3, 1))
-        refocus.SetChannel(_check.text("channel", channel))
-        refocus.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
-        return refocus
+        return self._filter(kind, width=_check.whole("width", width, 0, 20000),
+                            aperture=_check.number("aperture", aperture, 1e-3, 1), channel=_check.text("channel", channel),
+                            threads=_check.whole("threads", threads, 0, 1024))
 
     def refocus(self, depth, *, width=0, aperture=1.0, channel="", threads=0, progress=None):
         """The picture focused on the plane at `depth` [m] in front of the main lens. Returns Refocused.
@@ -227,10 +210,9 @@ class LightField(_home.AtHome):
         depth = _check.number("depth", depth)
         with self._filtering:
             refocus = self._refocusing(_core.Refocus, width, aperture, channel, threads)
-            refocus.SetDepth(depth)
+            refocus.depth = depth
             update(refocus, progress, "refocus")
-            return Refocused(refocus.GetOutput()["radiance"], depth, refocus.GetPixelSize(),
-                             refocus.GetCorner())
+            return Refocused(refocus.output, depth, refocus.pixel, refocus.corner)
 
     def focus_stack(self, depths, *, width=0, aperture=1.0, channel="", threads=0, progress=None):
         """Pictures at several depths [m], ascending, at least three, and the one that is sharp everywhere. Returns
@@ -241,13 +223,8 @@ class LightField(_home.AtHome):
             raise Error(f"depths takes a list of depths in metres, not {depths!r}") from None
         with self._filtering:
             stack = self._refocusing(_core.FocusStack, width, aperture, channel, threads)
-            stack.RemoveAllDepths()
-            for depth in depths:
-                stack.AddDepth(depth)
-            output = update(stack, progress, "focus stack").GetOutput()
-            arrays = [output[name] for name in ("all_in_focus", "depth", "confidence")]
-            planes = [output[f"plane_{i:04}"] for i in range(len(depths))]
-            return FocusStack(*arrays, planes, depths)
+            stack.depths = depths
+            return FocusStack(*update(stack, progress, "focus stack").output, depths)
 
     def export(self, folder, format="npz", *, name="lightfield", grid=0, channel="", channels=()):
         """Writes the files of another tool, as `plenoflame export`, all of them or none.
@@ -259,38 +236,27 @@ class LightField(_home.AtHome):
 
         Returns Export, with the names of the files and what should be known about them. Raises Error.
         """
-        writer = _core.Export()
-        writer.SetInputData(self._data)
-        writer.SetFolder(os.fspath(folder))
-        writer.SetFormat(_check.choice("format", format, export_formats()))
+        format = _check.choice("format", format, export_formats())
         stem = _check.text("name", name)
         if not stem or "/" in stem:
             raise Error("name: a name without folders; the folder is given with folder")
-        writer.SetStem(stem)
-        writer.SetGrid(_check.whole("grid", grid, 0, 99))
-        writer.SetChannel(_check.text("channel", channel))
         if isinstance(channels, str):
             channels = channels.split(",") if channels else ()
         try:
             channels = [_check.text("channels", name) for name in channels]
         except TypeError:
             raise Error(f"channels takes three names of channels, not {channels!r}") from None
-        writer.SetChannels(",".join(channels))
-        update(writer)
-        return Export([writer.GetWrittenFile(i) for i in range(writer.GetNumberOfFiles())],
-                      [writer.GetNote(i) for i in range(writer.GetNumberOfNotes())])
+        writer = made(_core.Export, input=self._data, folder=os.fspath(folder), format=format, name=stem,
+                      grid=_check.whole("grid", grid, 0, 99), channel=_check.text("channel", channel), channels=",".join(channels))
+        return Export(*update(writer).output)
 
     def compare(self, reference, *, channel=""):
         """Error and bias against another light field that this one should equal: a dict of the figures that
         `plenoflame compare --json` prints, in SI units. Raises Error."""
         if not isinstance(reference, LightField):
             raise Error(f"reference takes a LightField, not {reference!r}")
-        comparison = _core.Comparison()
-        comparison.SetInputData(0, self._data)
-        comparison.SetInputData(1, reference._data)
-        comparison.SetChannel(_check.text("channel", channel))
-        update(comparison)
-        return json.loads(comparison.GetFiguresAsJson())
+        comparison = made(_core.Comparison, input=self._data, reference=reference._data, channel=_check.text("channel", channel))
+        return json.loads(update(comparison).figures)
 
 
 def _camera_of(text):
@@ -302,13 +268,12 @@ def _camera_of(text):
 
 
 def _light_field_of(state, relative_error=-1.0):
-    return LightField(_core.LightField.FromState(state), relative_error)
+    return LightField(_core.LightField.from_state(state), relative_error)
 
 
 def export_formats():
     """Names of the formats of LightField.export."""
-    kind = _core.Export
-    return [kind.GetFormatName(i) for i in range(kind.GetNumberOfFormats())]
+    return _core.export_formats()
 
 
 Export = collections.namedtuple("Export", "files notes")
@@ -322,10 +287,10 @@ class Views(_home.AtHome):
     the axes u, v (x and height on the main lens) and y, x (on the microlens array, from the middle of the view).
     """
 
-    def __init__(self, algorithm, grid, array, spread, scene_text):
+    def __init__(self, views, sheet, grid, unit, spread, scene_text):
         self.grid = grid
-        self.unit = "W/(m^2 sr)" if array == "radiance" else "W"
-        views, self.sheet = algorithm.GetViews()  #: sheet: all of them side by side
+        self.unit = unit
+        self.sheet = sheet  #: all of them side by side
         self._views = numpy.stack(views).reshape(grid, grid, *views[0].shape)
         self._spread = spread
         self._scene_text = scene_text
@@ -438,6 +403,4 @@ class FocusStack:
 
 def read_light_field(path):
     """Reads a light field (.exr) that Plenoflame wrote. Raises Error."""
-    reader = _core.LightFieldReader()
-    reader.SetFileName(os.fspath(path))
-    return LightField(update(reader).GetOutput())
+    return LightField(update(made(_core.LightFieldReader, path=os.fspath(path))).output)

@@ -6,7 +6,7 @@ from scipy.sparse.linalg import LinearOperator
 
 from . import _check, _core
 from ._options import cameras_of, set_options, unknowns_options
-from ._run import Error, errors_of, update
+from ._run import Error, errors_of, made, update
 from .light_field import LightField
 
 
@@ -23,7 +23,7 @@ class Operator(LinearOperator):
         """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block, 1 for cells
         of micro-images; request: the arguments of make_operator(), by which a pickled one is made again."""
         self._algorithm = algorithm
-        super().__init__(numpy.dtype(float), (algorithm.GetNumberOfRows(), algorithm.GetNumberOfColumns()))
+        super().__init__(numpy.dtype(float), algorithm.shape)
         self._matrix = None
         self._sensors = sensors
         self._bin = bin
@@ -38,17 +38,17 @@ class Operator(LinearOperator):
     @property
     def rays(self):
         """Rays that make it."""
-        return self._algorithm.GetNumberOfRays()
+        return self._algorithm.rays
 
     @property
     def of_source(self):
         """Whether samples are those of a source function; else of emission."""
-        return self._algorithm.IsOfSource()
+        return self._algorithm.of_source
 
     @property
     def grid_shape(self):
         """Unknowns along each axis, e.g. (rings, heights); numbers x.reshape(A.grid_shape)."""
-        shape = [self._algorithm.GetShape(axis) for axis in range(3)]
+        shape = self._algorithm.grid_shape
         while len(shape) > 1 and shape[-1] == 1:
             shape.pop()
         return tuple(shape)
@@ -56,22 +56,22 @@ class Operator(LinearOperator):
     @property
     def pixels(self):
         """Of each row column and line of its (block's or cell's first) pixel, and the number of its camera: (rows, 3)."""
-        return self._algorithm.GetPixels()
+        return self._algorithm.pixels
 
     @property
     def places(self):
         """Place of each unknown in the world [m]: (unknowns, 3); of a ring one of its points."""
-        return self._algorithm.GetPlaces()
+        return self._algorithm.places
 
     @property
     def volumes(self):
         """Volume of each unknown [m^3]: (unknowns,)."""
-        return self._algorithm.GetVolumes()
+        return self._algorithm.volumes
 
     @property
     def matrix_bytes(self):
         """What `matrix` takes, about."""
-        return self._algorithm.GetMatrixBytes()
+        return self._algorithm.matrix_bytes
 
     @property
     def matrix(self):
@@ -79,9 +79,9 @@ class Operator(LinearOperator):
         library, not copies: they cannot be written to (A.matrix.copy() can), and outlive this object. Raises Error where
         there is not enough memory."""
         if self._matrix is None:
-            self._algorithm.SetStored(True)
+            self._algorithm.stored = True
             update(self._algorithm)
-            parts = self._algorithm.GetValues(), self._algorithm.GetColumnIndices(), self._algorithm.GetRowStarts()
+            parts = self._algorithm.values, self._algorithm.column_indices, self._algorithm.row_starts
             for part in parts:
                 part.setflags(write=False)
             self._matrix = csr_matrix(parts, shape=self.shape, copy=False)
@@ -90,7 +90,7 @@ class Operator(LinearOperator):
     def _times(self, transpose, vector):
         vector = numpy.ascontiguousarray(numpy.asarray(vector).ravel(), dtype=float)
         with errors_of():
-            return self._algorithm.Times(transpose, vector)
+            return self._algorithm.times(transpose, vector)
 
     def _dimensions(self, name, values, size):
         shape = numpy.shape(values)
@@ -167,17 +167,16 @@ class Operator(LinearOperator):
 def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed, form,
                   threads, progress):
     """Scene.operator()."""
-    algorithm = _core.Operator()
+    algorithm = made(_core.Operator, threads=_check.whole("threads", threads, 0, 1024))
     scenes = cameras_of(scene)
     request = (scenes, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed, form, threads, None)
     set_options(algorithm, **unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel),
                 rays=str(rays), bin=str(bin), cells=None if cells is None else str(cells),
                 seed=None if seed is None else str(seed), form=_check.text("form", form))
-    algorithm.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
     for one in scenes:
-        algorithm.AddCamera(one._scene)
+        algorithm.add_camera(one._scene)
     update(algorithm, progress, "operator")
-    if algorithm.GetNumberOfRows() == 0:
+    if algorithm.shape[0] == 0:
         raise Error("stopped before there was a result")
     side = 1 if str(bin) in ("view", "micro-image") else int(bin)
     return Operator(algorithm, [(one.rows // side, one.columns // side) for one in scenes], side, request)

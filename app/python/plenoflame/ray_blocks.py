@@ -3,7 +3,7 @@
 import time
 
 from . import _core
-from ._run import Error, errors_of
+from ._run import Error, errors_of, made
 from .rays import Rays
 
 _PRECISIONS = {"double": True, "single": False}
@@ -78,30 +78,23 @@ def ray_blocks(scene, samples, window, precision, radiance, seed, skip, rays_per
     """Scene.ray_blocks()."""
     if precision not in _PRECISIONS:
         raise Error(f"there is no precision {precision!r}; there are 'double' and 'single'")
-    stream = _core.RayStream()
-    stream.SetSamples(samples or int(scene["render.samples"]))
-    if window is not None:
-        stream.SetWindow(*window)
-    stream.SetDoublePrecision(_PRECISIONS[precision])
-    stream.SetRadiance(radiance)
-    stream.SetSeed(seed)
-    stream.SetSkip(skip)
-    stream.SetRaysPerBlock(rays_per_block)
-    stream.SetNumberOfThreads(threads)
+    stream = made(_core.RayStream, samples=samples or int(scene["render.samples"]), window=window or (0, 0, 0, 0),
+                  double_precision=_PRECISIONS[precision], radiance=radiance, seed=seed if seed >= 0 else None, skip=skip,
+                  rays_per_block=rays_per_block, threads=threads)
     with errors_of(stream, scene._scene):
-        stream.Start(scene._scene)
+        stream.start(scene._scene)
     return _blocks(stream)
 
 
 def _blocks(stream):
     try:
         while True:
-            while not stream.IsReady():
+            while not stream.is_ready():
                 time.sleep(_PAUSE)  # Python's other threads work meanwhile, and Ctrl-C ends it
             with errors_of(stream):
-                table = stream.Next()
+                table = stream.next()
             if table is None:
                 return
             yield RayBlock(table)
     finally:
-        stream.Stop()  # where the iteration ends early, too
+        stream.stop()  # where the iteration ends early, too

@@ -63,4 +63,4 @@ class Rays:
     def save(self, path):
         """Writes the rays as .vtp, which ParaView opens."""
         with errors_of():
-            _core.WriteRays(_check.file(path, ".vtp"), self._data)
+            _core.write_rays(_check.file(path, ".vtp"), self._data)

@@ -10,7 +10,7 @@ import numpy
 
 from . import _check, _core, _home
 from ._options import cameras_of, lengths, set_options, unknowns_options, words
-from ._run import Error, errors_of, in_our_words, update
+from ._run import Error, errors_of, in_our_words, made, update
 from .flame import Flame
 from .light_field import LightField, read_light_field
 
@@ -32,18 +32,17 @@ class Reconstruction(_home.AtHome):
     def __init__(self, algorithm, unknowns):
         self._algorithm = algorithm  # None when unpickled
         self.unknowns = unknowns  #: "voxels", "rings" or "layers"
-        self.complete = algorithm.IsComplete()  #: False when it was stopped early: what was reached by then
-        self.flame = Flame(algorithm.GetOutput())  #: the fields on voxels, as Scene.add_flame takes it
-        self.figures = json.loads(algorithm.GetFiguresAsJson())  #: as `plenoflame reconstruct --json` prints them
+        self.complete = algorithm.complete  #: False when it was stopped early: what was reached by then
+        self.flame = Flame(algorithm.output)  #: the fields on voxels, as Scene.add_flame takes it
+        self.figures = json.loads(algorithm.figures)  #: as `plenoflame reconstruct --json` prints them
         if "warning" in self.figures:
             self.figures["warning"] = in_our_words(self.figures["warning"])
-        self.report = in_our_words(algorithm.GetReport())  #: the same as text, a line each
-        shape = [algorithm.GetShape(axis) for axis in range(3)]
+        self.report = in_our_words(algorithm.report)  #: the same as text, a line each
+        shape = algorithm.shape
         while len(shape) > 1 and shape[-1] == 1:
             shape.pop()
         self.shape = tuple(shape)  #: unknowns along each axis
-        self._fields = {algorithm.GetFieldName(i): algorithm.GetField(i).reshape(self.shape)
-                        for i in range(algorithm.GetNumberOfFields())}
+        self._fields = {name: values.reshape(self.shape) for name, values in algorithm.fields.items()}
 
     def __repr__(self):
         state = "" if self.complete else ", stopped early"
@@ -104,7 +103,7 @@ class Reconstruction(_home.AtHome):
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "found.vdb")
             with errors_of(self._algorithm):
-                self._algorithm.Write(path)
+                self._algorithm.write(path)
             return pathlib.Path(path).read_bytes()
 
     @property
@@ -150,7 +149,7 @@ class Reconstruction(_home.AtHome):
     @functools.cached_property
     def places(self):
         """Place of each unknown in the world [m]: shape + (3,)."""
-        return self._algorithm.GetPlaces().reshape((*self.shape, 3))
+        return self._algorithm.places.reshape((*self.shape, 3))
 
     @property
     def history(self):
@@ -161,15 +160,12 @@ class Reconstruction(_home.AtHome):
     def residuals(self):
         """What the flame does not explain of each picture [W]: arrays (rows, columns), of the cameras of the first channel,
         then of the second."""
-        return self._pictures("residual")
+        return self._algorithm.residuals
 
     @functools.cached_property
     def explained(self):
         """What it does [W]."""
-        return self._pictures("explained")
-
-    def _pictures(self, name):
-        return [self._algorithm.GetPicture(i)[name] for i in range(self._algorithm.GetNumberOfPictures())]
+        return self._algorithm.explained
 
     def save(self, path):
         """Writes the grids as `plenoflame reconstruct -o` does. Raises Error."""
@@ -178,7 +174,7 @@ class Reconstruction(_home.AtHome):
             pathlib.Path(name).write_bytes(self._file)
             return
         with errors_of(self._algorithm):
-            self._algorithm.Write(name)
+            self._algorithm.write(name)
 
 
 def _set_earlier(algorithm, use, result):
@@ -191,7 +187,7 @@ def _set_earlier(algorithm, use, result):
         for name in _FIELDS:
             values = getattr(result, name)
             if values is not None:
-                algorithm.SetEarlierField(use, name, values.ravel())
+                algorithm.set_earlier(use, name, values.ravel())
     return None
 
 
@@ -244,7 +240,7 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     Returns Reconstruction. Raises Error with the sentence of the command. Ctrl-C raises KeyboardInterrupt; what was reached
     by then is its `reconstruction` (None: nothing yet).
     """
-    algorithm = _core.Reconstruction()
+    algorithm = made(_core.Reconstruction, threads=_check.whole("threads", threads, 0, 1024))
     scenes = cameras_of(scene)
     pictures = _pictures_of(images, scenes)
     options = unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel)
@@ -260,14 +256,13 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     set_options(algorithm, **options)
     for place in [spread] if isinstance(spread, str) else spread:
         set_options(algorithm, spread=lengths(place))
-    algorithm.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
     for one, (picture, name) in zip(scenes, pictures):
-        algorithm.AddCamera(one._scene, picture._data, name)
+        algorithm.add_camera(one._scene, picture._data, name)
     try:
         update(algorithm, progress, "reconstruct")
     except KeyboardInterrupt as interrupt:
-        interrupt.reconstruction = Reconstruction(algorithm, unknowns) if algorithm.HasResult() else None
+        interrupt.reconstruction = Reconstruction(algorithm, unknowns) if algorithm.has_result else None
         raise
-    if not algorithm.HasResult():
+    if not algorithm.has_result:
         raise Error("stopped before there was a result")
     return Reconstruction(algorithm, unknowns)

@@ -5,7 +5,7 @@ import os
 
 from . import _check, _core, _home
 from ._arguments import refusal
-from ._run import Error, errors_of, need_vtk, update
+from ._run import Error, errors_of, made, need_vtk, update
 from ._values import text_of, tree, value_of
 from .compiled import CompiledCamera
 from .flame import Flame, voxels_of
@@ -13,7 +13,7 @@ from .light_field import LightField
 from .ray_blocks import ray_blocks
 from .rays import Rays
 
-_ESTIMATORS = {None: 0, "backward": 1, "forward": 2}
+_ESTIMATORS = {None: None, "backward": _core.Estimator.backward, "forward": _core.Estimator.forward}
 
 
 class Scene(_home.Shown):
@@ -52,9 +52,9 @@ class Scene(_home.Shown):
         self._scene = _core.Scene()
         with errors_of(self._scene):
             if text is None:
-                self._scene.ReadFile(os.fspath(path))
+                self._scene.read_file(os.fspath(path))
             else:
-                self._scene.ReadText(text, os.fspath(name))
+                self._scene.read_text(text, os.fspath(name))
 
     def __repr__(self):
         several = len(self.cameras) > 1 and not self.camera_name
@@ -100,18 +100,18 @@ class Scene(_home.Shown):
     @property
     def cameras(self):
         """Names of the cameras; that of a single one may be empty."""
-        return [self._scene.GetCameraName(i) for i in range(self._scene.GetNumberOfCameras())]
+        return self._scene.cameras
 
     @property
     def camera_name(self):
         """Name of the camera that the scene is about; empty: the only one. Setting it raises Error for a name that no
         camera has. Values and texts are those of all cameras, whichever is chosen."""
-        return self._scene.GetCamera()
+        return self._scene.camera
 
     @camera_name.setter
     def camera_name(self, name):
         with errors_of(self._scene):
-            self._scene.SetCamera(name)
+            self._scene.camera = name
 
     def with_camera(self, name):
         """A copy that is about another camera."""
@@ -124,45 +124,46 @@ class Scene(_home.Shown):
         """Numbers of the frames of flames that change with time, a range; empty where nothing does, or where neither a
         series nor camera.sensor.frame_rate says how many there are per second."""
         with errors_of(self._scene):
-            return range(self._scene.GetFirstFrame(), self._scene.GetLastFrame() + 1)
+            first, last = self._scene.frames
+        return range(first, last + 1)
 
     def at_frame(self, number):
         """A copy in which nothing changes any more: the scene at the begin of a frame's exposure. Raises Error for a
         number that is not among frames, or a file that is missing."""
         copy = self.copy()
         with errors_of(copy._scene):
-            copy._scene.MoveToFrame(number)
+            copy._scene.move_to_frame(number)
         return copy
 
     def at_time(self, seconds):
         """The same at a time in s since the begin of the first frame."""
         copy = self.copy()
         with errors_of(copy._scene):
-            copy._scene.MoveToTime(seconds)
+            copy._scene.move_to_time(seconds)
         return copy
 
     @property
     def columns(self):
         """Columns of the sensor. Raises Error where there are several cameras and none is chosen."""
         with errors_of(self._scene):
-            return self._scene.GetNumberOfColumns()
+            return self._scene.columns
 
     @property
     def rows(self):
         """Rows of the sensor, as columns."""
         with errors_of(self._scene):
-            return self._scene.GetNumberOfRows()
+            return self._scene.rows
 
     @property
     def channels(self):
         """Names of the channels."""
-        return [self._scene.GetChannelName(i) for i in range(self._scene.GetNumberOfChannels())]
+        return self._scene.channels
 
     @property
     def text(self):
         """The whole scene as TOML, presets resolved."""
         with errors_of(self._scene):
-            return self._scene.GetText()
+            return self._scene.text
 
     def save(self, path):
         """Writes the scene to a TOML file. A scene with a flame in memory has no file: write_flame() first, and set the
@@ -171,11 +172,11 @@ class Scene(_home.Shown):
             if self[f"flames[{number}].file"] in self._images:
                 raise Error(f"flames[{number}] is in memory: write it with write_flame(), and set flames[{number}].file")
         with errors_of(self._scene):
-            self._scene.WriteFile(os.fspath(path))
+            self._scene.write_file(os.fspath(path))
 
     def keys(self):
         """Paths of all values."""
-        return [self._scene.GetPath(i) for i in range(self._scene.GetNumberOfPaths())]
+        return self._scene.paths
 
     def __iter__(self):
         return iter(self.keys())
@@ -185,7 +186,7 @@ class Scene(_home.Shown):
         table as a dict, a list of tables as a list. Raises KeyError for an unknown path."""
         try:
             with errors_of(self._scene):
-                text = self._scene.GetValueAsJson(path)
+                text = self._scene.value_json(path)
             return value_of(text)
         except Error as error:
             below = [key for key in self.keys() if key.startswith((path + ".", path + "["))]
@@ -201,7 +202,7 @@ class Scene(_home.Shown):
         """The value at a path as a scene file has it, with its unit. Raises KeyError for an unknown path."""
         try:
             with errors_of(self._scene):
-                return self._scene.GetValue(path)
+                return self._scene.value(path)
         except Error as error:
             raise KeyError(str(error)) from None
 
@@ -210,22 +211,22 @@ class Scene(_home.Shown):
         unit. Raises Error, with the scene unchanged."""
         value = text_of(value)
         with errors_of(self._scene):
-            self._scene.SetValue(path, value)
+            self._scene.set_value(path, value)
 
     def list_size(self, path):
         """Items of a list of tables, such as "flames" or "camera.lens.surfaces"."""
         with errors_of(self._scene):
-            return self._scene.GetListSize(path)
+            return self._scene.list_size(path)
 
     def insert(self, path, position):
         """Inserts an item with default values into a list of tables."""
         with errors_of(self._scene):
-            self._scene.InsertListItem(path, _check.whole("position", position, -1))
+            self._scene.insert(path, _check.whole("position", position, -1))
 
     def remove(self, path, position):
         """Removes an item from a list of tables."""
         with errors_of(self._scene):
-            self._scene.RemoveListItem(path, _check.whole("position", position, -1))
+            self._scene.remove(path, _check.whole("position", position, -1))
 
     def add_flame(self, flame, *, lines=(), ambient=293.15, **values):
         """Adds a flame from memory: a Flame, as make_flame, flame_from_arrays, import_flame and read_flame give
@@ -241,7 +242,7 @@ class Scene(_home.Shown):
         name = f"memory:{len(self._images)}"
         place = self.list_size("flames")
         with errors_of(self._scene):
-            self._scene.SetFlameImage(name, voxels, ambient)
+            self._scene.set_flame(name, voxels, ambient)
         self.insert("flames", place)
         path = f"flames[{place}]"
         try:
@@ -262,15 +263,14 @@ class Scene(_home.Shown):
         """Checks that the values go together. Raises Error for what is impossible, warns about what is probably not
         meant."""
         with errors_of(self._scene):
-            self._scene.Validate()
+            self._scene.validate()
 
     def copy(self):
         """An independent copy."""
         copy = Scene.__new__(Scene)
         copy._name = self._name
         copy._images = dict(self._images)
-        copy._scene = _core.Scene()
-        copy._scene.DeepCopy(self._scene)
+        copy._scene = _core.Scene(self._scene)
         return copy
 
     __copy__ = copy
@@ -284,7 +284,7 @@ class Scene(_home.Shown):
     def design(self):
         """What a camera can do, as `plenoflame design --json` prints it: a dict with SI units; None is infinite."""
         with errors_of(self._scene):
-            text = self._scene.GetDesignAsJson()
+            text = self._scene.design_json()
         return json.loads(text)
 
     def render(self, samples=0, *, seed=-1, estimator=None, window=None, target_error=0.0, time_limit=0.0, threads=0,
@@ -309,19 +309,14 @@ class Scene(_home.Shown):
             >>> field.flux.shape, field.channels
             ((60, 60), ['red_650nm'])
         """
-        source = _core.LightFieldSource()
-        source.SetInputDataObject(self._scene)
-        source.SetSamples(_check.whole("samples", samples))
-        source.SetSeed(_check.whole("seed", seed, -1, 2 ** 63 - 1))
-        source.SetEstimator(_ESTIMATORS[_check.choice("estimator", estimator, _ESTIMATORS)])
         if not 0 <= _check.number("target_error", target_error) < 1:
             raise Error(f"target_error: a share above 0 and below 1, e.g. 0.01, not {target_error!r}")
-        source.SetTargetError(target_error)
-        source.SetTimeLimit(_check.number("time_limit", time_limit, 0))
-        source.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
-        source.SetTruth(bool(truth))
+        source = made(_core.LightFieldSource, scene=self._scene, samples=_check.whole("samples", samples) or None,
+                      seed=_seed_of(seed), estimator=_ESTIMATORS[_check.choice("estimator", estimator, _ESTIMATORS)],
+                      target_error=target_error or None, time_limit=_check.number("time_limit", time_limit, 0) or None,
+                      threads=_check.whole("threads", threads, 0, 1024), truth=bool(truth))
         if window is not None:
-            source.SetWindow(*self._window_of(window))
+            source.window = self._window_of(window)
         if compiled is not None:
             if not isinstance(compiled, CompiledCamera):
                 raise Error(f"compiled takes a CompiledCamera, as Scene.compile() makes, not {type(compiled).__name__}")
@@ -329,9 +324,10 @@ class Scene(_home.Shown):
                      "target_error": target_error != 0, "time_limit": time_limit != 0}
             for name in (name for name, is_given in given.items() if is_given):
                 raise Error(f"{name}: a compiled camera (compiled) has its own rays; leave one of the two")
-            source.SetCompiledCamera(compiled._camera)
+            source.compiled = compiled._camera
         update(source, progress, "render")
-        return LightField(source.GetOutput(), relative_error=source.GetRelativeError())
+        with errors_of():  # stopped before there was a picture
+            return LightField(source.output, relative_error=source.relative_error)
 
     def _window_of(self, window):
         x, y, width, height = _check.several("window", window, 4, "four whole numbers x, y, width, height")
@@ -355,23 +351,17 @@ class Scene(_home.Shown):
 
         Returns CompiledCamera. Raises Error.
         """
-        camera = _core.CompiledCamera()
-        camera.SetScene(self._scene)
         if not 0 < _check.number("error", error) < 1:
             raise Error(f"error: a share above 0 and below 1, e.g. 0.002, not {error!r}")
-        camera.SetError(error)
-        camera.SetMargin(_check.number("margin", margin, 0))
-        camera.SetSamples(_check.whole("samples", samples, 0, 65536))
-        camera.SetLevel(_check.whole("level", level, 0, 7))
-        camera.SetSeed(_check.whole("seed", seed, 0, 2 ** 63 - 1))
-        camera.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
+        camera = made(_core.CompiledCamera, scene=self._scene, error=error, margin=_check.number("margin", margin, 0),
+                      samples=_check.whole("samples", samples, 0, 65536), level=_check.whole("level", level, 0, 7),
+                      seed=_check.whole("seed", seed, 0, 2 ** 63 - 1), threads=_check.whole("threads", threads, 0, 1024))
         if window is not None:
-            camera.SetWindow(*self._window_of(window))
+            camera.window = self._window_of(window)
         if region is not None:
-            lower, upper = _check.several("region", region, 2, "two corners x, y, z", _corner)
+            camera.region = lower, upper = _check.several("region", region, 2, "two corners x, y, z", _corner)
             if not all(a < b for a, b in zip(lower, upper)):
                 raise Error(f"region: the second corner must lie above the first along x, y and z, not {region!r}")
-            camera.SetRegion(*lower, *upper)
         update(camera, progress, "compile")
         return CompiledCamera(camera)
 
@@ -393,34 +383,25 @@ class Scene(_home.Shown):
             >>> bool((rays.pixel == (30, 30)).all()), rays.points.shape[1]
             (True, 3)
         """
-        source = _core.RayPathSource()
-        source.SetInputDataObject(self._scene)
-        for pixel in pixels:
-            source.AddPixel(*_check.several("pixels", pixel, 2, "pairs of whole numbers, column and row", low=-2 ** 31))
-        for lens in microlenses:
-            source.AddMicrolens(*_check.several("microlenses", lens, 2, "pairs of whole numbers, q and r", low=-2 ** 31))
-        for point in points:
-            source.AddObjectPoint(*_check.several("points", point, 3, "points x, y, z in metres", _check.number))
-        source.SetNumberOfRandomPixels(_check.whole("random", random))
-        source.SetChiefRays(bool(chief))
         rays = _check.whole("rays", rays, 2)
-        source.SetRaysPerPixel(rays)
-        source.SetRaysPerPoint(rays)
-        source.SetFlameSamples(_check.whole("flame_samples", flame_samples))
-        source.SetSeed(_check.whole("seed", seed, -1, 2 ** 63 - 1))
-        source.SetMaximumNumberOfRays(_check.whole("most", most))
-        source.SetNumberOfThreads(_check.whole("threads", threads, 0, 1024))
+        source = made(
+            _core.RayPathSource, scene=self._scene,
+            pixels=[_check.several("pixels", pixel, 2, "pairs of whole numbers, column and row", low=-2 ** 31) for pixel in pixels],
+            microlenses=[_check.several("microlenses", lens, 2, "pairs of whole numbers, q and r", low=-2 ** 31)
+                         for lens in microlenses],
+            points=[_check.several("points", point, 3, "points x, y, z in metres", _check.number) for point in points],
+            random=_check.whole("random", random), chief=bool(chief), rays_per_pixel=rays, rays_per_point=rays,
+            flame_samples=_check.whole("flame_samples", flame_samples), seed=_seed_of(seed), most=_check.whole("most", most),
+            threads=_check.whole("threads", threads, 0, 1024))
         if lens_type is not None:
-            source.SetSelectedType(_check.whole("lens_type", lens_type))
+            source.lens_type = _check.whole("lens_type", lens_type)
         if status is not None:
             chosen = [status] if isinstance(status, str) else list(status)
             unknown = set(chosen) - set(Rays.STATUSES)
             if unknown:
                 raise Error(f"there is no status {sorted(unknown)[0]!r}; there are {', '.join(Rays.STATUSES)}")
-            for number, name in enumerate(Rays.STATUSES):
-                source.SetStatusSelected(number, name in chosen)
-        update(source)
-        return Rays(source.GetOutput())
+            source.statuses = [name in chosen for name in Rays.STATUSES]
+        return Rays(update(source).output)
 
     def ray_blocks(self, samples=0, *, window=None, precision="double", radiance=False, seed=-1, skip=True,
                    rays_per_block=65536, threads=0):
@@ -490,10 +471,14 @@ class Scene(_home.Shown):
 
     def flame(self, resolution=128):
         """The flames sampled on a lattice: a Flame with "temperature" [K] and "absorption" [1/m]."""
-        source = _core.FlameSource()
-        source.SetInputDataObject(self._scene)
-        source.SetResolution(_check.whole("resolution", resolution, 2, 1024))
-        return Flame(update(source).GetOutput())
+        resolution = _check.whole("resolution", resolution, 2, 1024)
+        return Flame(update(made(_core.FlameSource, scene=self._scene, resolution=resolution)).output)
+
+
+def _seed_of(seed):
+    """None is the scene's."""
+    seed = _check.whole("seed", seed, -1, 2 ** 63 - 1)
+    return seed if seed >= 0 else None
 
 
 def _corner(name, values):
@@ -506,5 +491,5 @@ def _scene_of(text, name, images, camera=""):
     for key, (flame, ambient) in images.items():
         scene._images[key] = (flame, ambient)
         with errors_of(scene._scene):
-            scene._scene.SetFlameImage(key, voxels_of(flame), ambient)
+            scene._scene.set_flame(key, voxels_of(flame), ambient)
     return scene
