@@ -57,12 +57,15 @@ if(PLENOFLAME_WITH_PYTHON)
   plenoflame_needs(pybind pybind11 2.10 CONFIG)
 endif()
 if(PLENOFLAME_WITH_VTK)
-  plenoflame_needs(vtk Python3 3.9 COMPONENTS Interpreter Development.Module)
+  set(vtk_wrapping)
+  if(PLENOFLAME_WITH_PYTHON)
+    set(vtk_wrapping WrappingPythonCore)
+  endif()
   plenoflame_needs(vtk X11)
   plenoflame_needs(vtk VTK 9.1 COMPONENTS CommonCore CommonDataModel CommonExecutionModel CommonMath
     FiltersCore FiltersGeneral IOAMR IOCGNSReader IOEnSight IOExodus IOGeometry IOHDF IOImage
     IOLegacy IONetCDF IOParallel IOXML IOXMLParser RenderingAnnotation RenderingCore RenderingFreeType
-    RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2 WrappingPythonCore vtksys
+    RenderingOpenGL2 RenderingVolume RenderingVolumeOpenGL2 ${vtk_wrapping} vtksys
     OPTIONAL_COMPONENTS GUISupportQt InteractionStyle InteractionWidgets)
 endif()
 if(PLENOFLAME_WITH_DESKTOP AND VTK_FOUND AND NOT TARGET VTK::GUISupportQt)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the reference of the Python package from its sources: signatures and docstrings, as Markdown.
 
-    python_reference.py FOLDER    the folder app/vtk/python/plenoflame; the page goes to standard output
+    python_reference.py FOLDER    the folder app/python/plenoflame; the page goes to standard output
 
 The package is read, not imported, so that neither VTK nor a build is needed. Standard library only.
 """

@@ -39,7 +39,7 @@ cp -rL "$katex"/{katex.min.css,katex.min.js,fonts} "$folder/source/katex"
 cp -L "$katex/contrib/auto-render.js" "$folder/source/katex/contrib"
 rm -f "$folder"/source/katex/fonts/*.ttf "$folder"/source/katex/fonts/*.woff  # browsers take the .woff2
 reference=$folder/source/reference
-tools/python_reference.py app/vtk/python/plenoflame >"$reference/python.md"
+tools/python_reference.py app/python/plenoflame >"$reference/python.md"
 cat >"$reference/cpp.md" <<TEXT
 # C++ libraries
 

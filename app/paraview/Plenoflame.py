@@ -20,17 +20,13 @@ sys.path[:0] = [str(HERE / "python"), str(HERE)]
 import plenoflame
 from paraview.util.vtkAlgorithm import VTKPythonAlgorithmBase, smdomain, smhint, smproperty, smproxy
 from plenoflame import _core
-from plenoflame_data import (camera_to_blocks, fill_picture, image_to_light_field, light_field_to_image, rays_to_polydata,
-                             voxels_to_image)
+from plenoflame._vtk import picture_to_image
+from plenoflame_data import camera_to_blocks, owned
 from vtkmodules.vtkCommonCore import vtkOutputWindow
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkImageData, vtkMultiBlockDataSet, vtkPolyData
 from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline
 
-if plenoflame.vtk is not None:
-    raise ImportError(f"Plenoflame's plugin needs the Python package without VTK, but {plenoflame.__file__} is the one with "
-                      "VTK 9.1, which cannot be loaded beside ParaView's own")
-
-SCHEMA = {path: (about, unit, allowed) for path, about, unit, allowed in _core.GetSchema()}
+SCHEMA = {path: (about, unit, allowed) for path, about, unit, allowed in _core.schema()}
 
 
 def words(path):
@@ -257,12 +253,8 @@ class PlenoflameScene(_RayBundles):
 
     def compute(self):
         scene = self.scene()
-        camera, flame, rays = vtkMultiBlockDataSet(), vtkImageData(), vtkPolyData()
-        camera_to_blocks(scene, camera)
-        if scene.list_size("flames"):
-            voxels_to_image(scene.flame(self._resolution), flame)
-        rays_to_polydata(self.rays(scene), rays)
-        return camera, flame, rays
+        flame = owned(scene.flame(self._resolution).to_vtk()) if scene.list_size("flames") else vtkImageData()
+        return camera_to_blocks(scene), flame, owned(self.rays(scene).to_vtk())
 
     def sizes(self, result):
         return {1: result[1].GetDimensions()}
@@ -284,9 +276,7 @@ class PlenoflameRays(_RayBundles):
         super().__init__(1, "vtkPolyData")
 
     def compute(self):
-        rays = vtkPolyData()
-        rays_to_polydata(self.rays(self.scene()), rays)
-        return rays
+        return owned(self.rays(self.scene()).to_vtk())
 
     def fill(self, result, outputs):
         vtkPolyData.GetData(outputs, 0).ShallowCopy(result)
@@ -332,9 +322,7 @@ class PlenoflameLightField(_Image, _OfScene):
     def compute(self):
         field = self.scene().render(self._samples, seed=self._seed, truth=self._truth, progress=self.progress,
                                     estimator=(None, "backward", "forward")[self._estimator])
-        image = vtkImageData()
-        light_field_to_image(field, image)
-        return image
+        return owned(field.to_vtk())
 
     def progress(self, fraction):
         self.UpdateProgress(fraction)
@@ -366,9 +354,7 @@ class PlenoflameLightFieldReader(_File):
         self.set("_file", name or "")
 
     def compute(self):
-        image = vtkImageData()
-        light_field_to_image(plenoflame.read_light_field(self.name()), image)
-        return image
+        return owned(plenoflame.read_light_field(self.name()).to_vtk())
 
 
 @smproxy.reader(name="PlenoflameFlameReader", label="Plenoflame Flame Reader", extensions="vdb", file_description="OpenVDB grids")
@@ -390,9 +376,7 @@ class PlenoflameFlameReader(_File):
         self.set("_grid", name or "")
 
     def compute(self):
-        image = vtkImageData()
-        voxels_to_image(plenoflame.read_flame(self.name(), grid=self._grid), image)
-        return image
+        return owned(plenoflame.read_flame(self.name(), grid=self._grid).to_vtk())
 
 
 # --- filters of light fields ---
@@ -439,9 +423,7 @@ class _Filter(_Algorithm):
         return self.GetMTime(), self.GetInputDataObject(0, 0).GetMTime()
 
     def compute(self):
-        picture = vtkImageData()
-        self.make(image_to_light_field(self.GetInputDataObject(0, 0)), picture)
-        return picture
+        return owned(self.make(plenoflame.LightField.from_vtk(self.GetInputDataObject(0, 0))))
 
     def fill(self, result, outputs):
         vtkImageData.GetData(outputs, 0).ShallowCopy(result)
@@ -476,7 +458,7 @@ class PlenoflameViews(_Filter):
     def SetWhiteCorrection(self, white):
         self.set("_white", bool(white))
 
-    def make(self, field, output):
+    def make(self, field):
         views = field.views(self._grid, spread=self._spread, white_correction=self._white, channel=self._channel,
                             resampling=("nearest", "barycentric", "paper9", "paper10")[self._resampling])
         if self._view == (-1, -1):
@@ -486,7 +468,7 @@ class PlenoflameViews(_Filter):
                 picture = views[self._view]
             except IndexError as error:
                 raise plenoflame.Error(str(error)) from None
-        fill_picture(output, {"radiance" if self._white else "flux": picture})
+        return picture_to_image({"radiance" if self._white else "flux": picture})
 
 
 @_filter("PlenoflameRefocus", "Plenoflame Refocus", "The picture of a lens that is focused on a plane, in metres on that plane.")
@@ -508,10 +490,10 @@ class PlenoflameRefocus(_Filter):
     def SetAperture(self, aperture):
         self.set("_aperture", aperture)
 
-    def make(self, field, output):
+    def make(self, field):
         sharp = field.refocus(self._depth, width=self._width, aperture=self._aperture, channel=self._channel)
         # The picture's y runs downwards, VTK's upwards.
-        fill_picture(output, {"radiance": sharp.image}, sharp.pixel, (sharp.x[0], -sharp.y[-1]))
+        return picture_to_image({"radiance": sharp.image}, sharp.pixel, (sharp.x[0], -sharp.y[-1]))
 
 
 @_filter("PlenoflameDevelop", "Plenoflame Develop", "Digital numbers that a sensor makes of a light field, without noise.")
@@ -533,8 +515,9 @@ class PlenoflameDevelop(_Filter):
     def SetCurve(self, curve):
         self.set("_curve", curve)
 
-    def make(self, field, output):
+    def make(self, field):
         x, y, _, height = field.window
         picture = field.develop(saturation=self._saturation, bits=self._bits, curve=("display", "linear")[self._curve],
                                 channel=self._channel)
-        fill_picture(output, {"digital_number": picture}, 1, (x + 0.5, field._data.Sensor()[1] - y - height + 0.5))
+        return picture_to_image({"digital_number": picture}, 1,
+                                (x + 0.5, field._data.sensor[1] - y - height + 0.5))

@@ -65,9 +65,8 @@ py::dict parts_of(const CameraSource& source) {
 void bind_camera(py::module_& module) {
   py::class_<CameraSource, Runnable>(module, "CameraSource")
       .def(py::init<>())
-      .def("SetInputDataObject",
-           [](CameraSource& s, std::shared_ptr<SceneHandle> scene) { s.scene = std::move(scene); })
-      .def("GetOutput", &parts_of);
+      .def_readwrite("scene", &CameraSource::scene)
+      .def_property_readonly("output", &parts_of);
 }
 
 }  // namespace plenoflame::python

@@ -14,6 +14,7 @@
 #include "plenoflame/lightfield/refocus.h"
 #include "plenoflame/lightfield/views.h"
 #include "runnable.h"
+#include "values.h"
 
 namespace plenoflame::python {
 namespace {
@@ -115,124 +116,102 @@ class LightFieldWriter : public Filter {
   std::string path;
 };
 
-py::dict developed(DevelopFilter& filter) {
-  py::dict out;
-  const auto& picture = filter.output.picture;
+py::array developed(DevelopFilter& filter) {
+  auto& picture = filter.output.picture;
   const auto rows = static_cast<py::ssize_t>(picture.samples.size()) / picture.width;
-  out["digital_number"] = given(std::move(filter.output.picture.samples), {rows, picture.width});
-  return out;
+  return given(std::move(picture.samples), {rows, picture.width});
 }
 
-py::dict stacked(FocusStackFilter& filter) {
-  py::dict out;
-  out["all_in_focus"] = given(std::move(filter.stack.all_in_focus));
-  out["depth"] = given(std::move(filter.stack.depth));
-  out["confidence"] = given(std::move(filter.stack.confidence));
-  std::size_t number = 0;
-  for (RefocusedImage& plane : filter.stack.planes) {
-    std::array<char, 24> name{};
-    std::snprintf(name.data(), name.size(), "plane_%04zu", number++);
-    out[name.data()] = given(std::move(plane.image));
-  }
-  return out;
+/// All in focus, depth, confidence, and the pictures of all depths.
+py::tuple stacked(FocusStackFilter& filter) {
+  py::list planes;
+  for (RefocusedImage& plane : filter.stack.planes) planes.append(given(std::move(plane.image)));
+  return py::make_tuple(given(std::move(filter.stack.all_in_focus)),
+                        given(std::move(filter.stack.depth)),
+                        given(std::move(filter.stack.confidence)), planes);
 }
 
 void bind_develop(py::module_& module) {
-  py::class_<DevelopFilter, Filter>(module, "Develop")
-      .def(py::init<>())
-      .def("SetSaturation", [](DevelopFilter& f, double value) { f.spec.saturation = value; })
-      .def("SetBits", [](DevelopFilter& f, int bits) { f.spec.bits = bits; })
-      .def("SetCurve",
-           [](DevelopFilter& f, int curve) {
-             f.spec.curve = curve == 0 ? ToneCurve::linear : ToneCurve::display;
-           })
-      .def("GetOutput", &developed);
+  py::enum_<ToneCurve>(module, "ToneCurve")
+      .value("linear", ToneCurve::linear)
+      .value("display", ToneCurve::display);
+  py::class_<DevelopFilter, Filter> develop(module, "Develop");
+  attributes(develop, &DevelopFilter::spec, "saturation", &DevelopSpec::saturation, "bits",
+             &DevelopSpec::bits, "curve", &DevelopSpec::curve);
+  develop.def(py::init<>()).def_property_readonly("output", &developed);
 }
 
 void bind_views(py::module_& module) {
-  py::class_<ViewsFilter, Filter>(module, "Views")
-      .def(py::init<>())
-      .def("SetGrid", [](ViewsFilter& f, int grid) { f.settings.grid = grid; })
-      .def("SetSpread", [](ViewsFilter& f, double spread) { f.settings.spread = spread; })
-      .def("SetResampling",
-           [](ViewsFilter& f, int kind) {
-             constexpr std::array kinds{ViewResampling::nearest, ViewResampling::barycentric,
-                                        ViewResampling::paper9, ViewResampling::paper10};
-             f.settings.resampling = kinds.at(static_cast<std::size_t>(kind));
-           })
-      .def("SetWhiteCorrection",
-           [](ViewsFilter& f, bool white) { f.settings.white_correction = white; })
-      .def("GetViews", [](ViewsFilter& f) {
-        py::list views;
-        for (View& view : f.output.views) views.append(given(std::move(view.image)));
-        return py::make_tuple(views, given(std::move(f.sheet)));
-      });
+  py::enum_<ViewResampling>(module, "Resampling")
+      .value("nearest", ViewResampling::nearest)
+      .value("barycentric", ViewResampling::barycentric)
+      .value("paper9", ViewResampling::paper9)
+      .value("paper10", ViewResampling::paper10);
+  py::class_<ViewsFilter, Filter> views(module, "Views");
+  attributes(views, &ViewsFilter::settings, "grid", &ViewSettings::grid, "spread",
+             &ViewSettings::spread, "resampling", &ViewSettings::resampling, "white_correction",
+             &ViewSettings::white_correction);
+  views.def(py::init<>()).def_property_readonly("output", [](ViewsFilter& f) {
+    py::list list;
+    for (View& view : f.output.views) list.append(given(std::move(view.image)));
+    return py::make_tuple(list, given(std::move(f.sheet)));
+  });
 }
 
 void bind_refocus(py::module_& module) {
-  py::class_<RefocusFilter, Filter>(module, "Refocus")
-      .def(py::init<>())
-      .def("SetWidth", [](RefocusFilter& f, int width) { f.settings.width = width; })
-      .def("SetAperture", [](RefocusFilter& f, double aperture) { f.settings.aperture = aperture; })
-      .def("SetDepth", [](RefocusFilter& f, double depth) { f.settings.depth = depth; })
-      .def("GetPixelSize", [](const RefocusFilter& f) { return f.output.pixel; })
-      .def("GetCorner",
-           [](const RefocusFilter& f) {
-             return py::make_tuple(f.output.corner.x, f.output.corner.y);
-           })
-      .def("GetOutput", [](RefocusFilter& f) {
-        py::dict out;
-        out["radiance"] = given(std::move(f.output.image));
-        return out;
-      });
+  py::class_<RefocusFilter, Filter> refocus(module, "Refocus");
+  attributes(refocus, &RefocusFilter::settings, "width", &RefocusSettings::width, "aperture",
+             &RefocusSettings::aperture, "depth", &RefocusSettings::depth);
+  refocus.def(py::init<>())
+      .def_property_readonly("pixel", [](const RefocusFilter& f) { return f.output.pixel; })
+      .def_property_readonly("corner",
+                             [](const RefocusFilter& f) {
+                               return py::make_tuple(f.output.corner.x, f.output.corner.y);
+                             })
+      .def_property_readonly("output",
+                             [](RefocusFilter& f) { return given(std::move(f.output.image)); });
   py::class_<FocusStackFilter, RefocusFilter>(module, "FocusStack")
       .def(py::init<>())
-      .def("RemoveAllDepths", [](FocusStackFilter& f) { f.depths.clear(); })
-      .def("AddDepth", [](FocusStackFilter& f, double depth) { f.depths.push_back(depth); })
-      .def("GetOutput", &stacked);
+      .def_readwrite("depths", &FocusStackFilter::depths)
+      .def_property_readonly("output", &stacked);
 }
 
 void bind_export(py::module_& module) {
-  py::class_<ExportFilter, Filter>(module, "Export")
-      .def(py::init<>())
-      .def("SetFolder", [](ExportFilter& f, const std::string& v) { f.request.folder = v; })
-      .def("SetFormat", [](ExportFilter& f, const std::string& v) { f.request.format = v; })
-      .def("SetStem", [](ExportFilter& f, const std::string& v) { f.request.name = v; })
-      .def("SetGrid", [](ExportFilter& f, int grid) { f.request.grid = grid; })
-      .def("SetChannels", [](ExportFilter& f, const std::string& v) { f.request.channels = v; })
-      .def("GetNumberOfFiles", [](const ExportFilter& f) { return f.result.files.size(); })
-      .def("GetWrittenFile",
-           [](const ExportFilter& f, std::size_t i) { return f.result.files.at(i); })
-      .def("GetNumberOfNotes", [](const ExportFilter& f) { return f.result.notes.size(); })
-      .def("GetNote", [](const ExportFilter& f, std::size_t i) { return f.result.notes.at(i); })
-      .def_static("GetNumberOfFormats", [] { return export_formats().size(); })
-      .def_static("GetFormatName", [](std::size_t i) { return export_formats().at(i).name; });
+  py::class_<ExportFilter, Filter> files(module, "Export");
+  attributes(files, &ExportFilter::request, "folder", &ExportRequest::folder, "format",
+             &ExportRequest::format, "name", &ExportRequest::name, "grid", &ExportRequest::grid,
+             "channels", &ExportRequest::channels);
+  files.def(py::init<>()).def_property_readonly("output", [](const ExportFilter& f) {
+    return py::make_tuple(f.result.files, f.result.notes);
+  });
+  module.def("export_formats", [] {
+    std::vector<std::string> names;
+    for (const ExportName& format : export_formats()) names.push_back(format.name);
+    return names;
+  });
 }
 
 }  // namespace
 
 void bind_light_field_filters(py::module_& module) {
   py::class_<Filter, Runnable>(module, "Filter")
-      .def("SetInputData", [](Filter& f, Field field) { f.input = std::move(field); })
-      .def("SetChannel", [](Filter& f, const std::string& channel) { f.channel = channel; });
+      .def_readwrite("input", &Filter::input)
+      .def_readwrite("channel", &Filter::channel);
   bind_develop(module);
   bind_views(module);
   bind_refocus(module);
   bind_export(module);
   py::class_<ComparisonFilter, Filter>(module, "Comparison")
       .def(py::init<>())
-      .def("SetInputData",
-           [](ComparisonFilter& f, int port, Field field) {
-             (port == 0 ? f.input : f.reference) = std::move(field);
-           })
-      .def("GetFiguresAsJson", [](const ComparisonFilter& f) { return f.figures; });
+      .def_readwrite("reference", &ComparisonFilter::reference)
+      .def_readonly("figures", &ComparisonFilter::figures);
   py::class_<LightFieldReader, Runnable>(module, "LightFieldReader")
       .def(py::init<>())
-      .def("SetFileName", [](LightFieldReader& r, const std::string& path) { r.path = path; })
-      .def("GetOutput", [](const LightFieldReader& r) { return r.output; });
+      .def_readwrite("path", &LightFieldReader::path)
+      .def_readonly("output", &LightFieldReader::output);
   py::class_<LightFieldWriter, Filter>(module, "LightFieldWriter")
       .def(py::init<>())
-      .def("SetFileName", [](LightFieldWriter& w, const std::string& path) { w.path = path; });
+      .def_readwrite("path", &LightFieldWriter::path);
 }
 
 }  // namespace plenoflame::python

@@ -14,6 +14,7 @@
 #include "plenoflame/volumes/grid_file.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "values.h"
 #include "voxels.h"
 
 namespace plenoflame::python {
@@ -43,9 +44,9 @@ Data voxels_of_fields(const std::vector<VoxelField>& fields, const std::string& 
       out->arrays.push_back(voxel_values(field, box));
       continue;
     }
-    execution.warn("'" + file + "': " + field.name +
-                   " has a lattice of its own and was interpolated; read it alone with "
-                   "SetGridName() to keep it");
+    execution.warn(
+        "'" + file + "': " + field.name +
+        " has a lattice of its own and was interpolated; read it alone (grid) to keep it");
     out->arrays.push_back(interpolated_values(field, transform, box));
   }
   return out;
@@ -118,36 +119,30 @@ class FlameSource : public Runnable {
 };
 
 /// A view of an array as numpy [i, j, k]; it keeps the voxels.
-py::object array_of(const Data& voxels, const std::string& name) {
-  for (VoxelArray& array : voxels->arrays) {
-    if (array.name != name) continue;
-    const auto [nx, ny, nz] = voxels->place.size;
-    const auto size = static_cast<py::ssize_t>(sizeof(float));
-    const auto x = static_cast<py::ssize_t>(nx), y = static_cast<py::ssize_t>(ny),
-               z = static_cast<py::ssize_t>(nz);
-    return py::array_t<float>({x, y, z}, {size, size * x, size * x * y}, array.values.data(),
-                              py::cast(voxels));
-  }
-  return py::none();
+py::array array_of(const Data& voxels, const VoxelArray& array) {
+  const auto [nx, ny, nz] = voxels->place.size;
+  const auto size = static_cast<py::ssize_t>(sizeof(float));
+  const auto x = static_cast<py::ssize_t>(nx), y = static_cast<py::ssize_t>(ny),
+             z = static_cast<py::ssize_t>(nz);
+  return py::array_t<float>({x, y, z}, {size, size * x, size * x * y}, array.values.data(),
+                            py::cast(voxels));
 }
 
-Data voxels_from(const std::array<std::size_t, 3>& size, const std::array<double, 3>& origin,
-                 const std::array<double, 3>& spacing,
-                 const std::array<std::array<double, 3>, 3>& direction) {
+Data voxels_from(const std::array<std::size_t, 3>& size, Vec3 origin,
+                 const std::array<double, 3>& spacing, const std::array<Vec3, 3>& directions) {
   const Data out = std::make_shared<Voxels>();
   out->place.size = size;
-  out->place.origin = {origin[0], origin[1], origin[2]};
+  out->place.origin = origin;
   out->place.spacing = spacing;
-  for (std::size_t k = 0; k < 3; ++k)
-    out->place.direction[k] = {direction[k][0], direction[k][1], direction[k][2]};
+  out->place.direction = directions;
   return out;
 }
 
 void bind_voxels(py::module_& module) {
   py::class_<Voxels, Data>(module, "Voxels")
       .def(py::init(&voxels_from), py::arg("size"), py::arg("origin"), py::arg("spacing"),
-           py::arg("direction"))
-      .def("Add",
+           py::arg("directions"))
+      .def("add",
            [](Voxels& v, const std::string& name,
               const py::array_t<float, py::array::f_style | py::array::forcecast>& values) {
              for (py::ssize_t k = 0; k < 3; ++k)
@@ -156,24 +151,17 @@ void bind_voxels(py::module_& module) {
                  throw UsageError("the array '" + name + "' has another size than the voxels");
              v.arrays.push_back({name, {values.data(), values.data() + values.size()}});
            })
-      .def("Array", &array_of)
-      .def("ArrayNames",
-           [](const Voxels& v) {
-             std::vector<std::string> names;
-             for (const VoxelArray& array : v.arrays) names.push_back(array.name);
-             return names;
-           })
-      .def("Size", [](const Voxels& v) { return py::tuple(py::cast(v.place.size)); })
-      .def("Origin",
-           [](const Voxels& v) {
-             return py::make_tuple(v.place.origin.x, v.place.origin.y, v.place.origin.z);
-           })
-      .def("Spacing", [](const Voxels& v) { return py::tuple(py::cast(v.place.spacing)); })
-      .def("Direction", [](const Voxels& v) {
-        py::list axes;
-        for (const Vec3& d : v.place.direction) axes.append(py::make_tuple(d.x, d.y, d.z));
-        return axes;
-      });
+      .def_property_readonly("arrays",
+                             [](const Data& voxels) {
+                               py::dict arrays;
+                               for (const VoxelArray& array : voxels->arrays)
+                                 arrays[py::str(array.name)] = array_of(voxels, array);
+                               return arrays;
+                             })
+      .def_property_readonly("origin", [](const Voxels& v) { return v.place.origin; })
+      .def_property_readonly("spacing",
+                             [](const Voxels& v) { return py::tuple(py::cast(v.place.spacing)); })
+      .def_property_readonly("directions", [](const Voxels& v) { return v.place.direction; });
 }
 
 std::string generators_json() {
@@ -195,32 +183,30 @@ std::string generators_json() {
 
 void bind_flames(py::module_& module) {
   bind_voxels(module);
+  module.def("flame_generators", &generators_json);
   py::class_<FlameGenerator, Runnable>(module, "FlameGenerator")
       .def(py::init<>())
-      .def_static("GetGeneratorsAsJson", &generators_json)
-      .def("SetFlameName", [](FlameGenerator& g, const std::string& name) { g.name = name; })
-      .def("SetParameter", [](FlameGenerator& g, const std::string& key,
-                              const std::string& value) { g.parameters[key] = value; })
-      .def("GetOutput", [](const FlameGenerator& g) { return g.output; });
+      .def_readwrite("name", &FlameGenerator::name)
+      .def_readwrite("parameters", &FlameGenerator::parameters)
+      .def_readonly("output", &FlameGenerator::output);
   py::class_<FlameReader, Runnable>(module, "FlameReader")
       .def(py::init<>())
-      .def("SetFileName", [](FlameReader& r, const std::string& path) { r.path = path; })
-      .def("SetGridName", [](FlameReader& r, const std::string& name) { r.grid = name; })
-      .def("GetOutput", [](const FlameReader& r) { return r.output; });
+      .def_readwrite("path", &FlameReader::path)
+      .def_readwrite("grid", &FlameReader::grid)
+      .def_readonly("output", &FlameReader::output);
   py::class_<FlameWriter, Runnable>(module, "FlameWriter")
       .def(py::init<>())
-      .def("SetInputData", [](FlameWriter& w, Data data) { w.input = std::move(data); })
-      .def("SetFileName", [](FlameWriter& w, const std::string& path) { w.path = path; })
-      .def("SetTemperatureArray", [](FlameWriter& w, const std::string& n) { w.temperature = n; })
-      .def("SetAbsorptionArray", [](FlameWriter& w, const std::string& n) { w.absorption = n; })
-      .def("SetAmbientTemperature", [](FlameWriter& w, double kelvin) { w.ambient = kelvin; })
-      .def("SetHalf", [](FlameWriter& w, bool half) { w.half = half; });
+      .def_readwrite("input", &FlameWriter::input)
+      .def_readwrite("path", &FlameWriter::path)
+      .def_readwrite("temperature", &FlameWriter::temperature)
+      .def_readwrite("absorption", &FlameWriter::absorption)
+      .def_readwrite("ambient", &FlameWriter::ambient)
+      .def_readwrite("half", &FlameWriter::half);
   py::class_<FlameSource, Runnable>(module, "FlameSource")
       .def(py::init<>())
-      .def("SetInputDataObject",
-           [](FlameSource& s, std::shared_ptr<SceneHandle> scene) { s.scene = std::move(scene); })
-      .def("SetResolution", [](FlameSource& s, int resolution) { s.resolution = resolution; })
-      .def("GetOutput", [](const FlameSource& s) { return s.output; });
+      .def_readwrite("scene", &FlameSource::scene)
+      .def_readwrite("resolution", &FlameSource::resolution)
+      .def_readonly("output", &FlameSource::output);
 }
 
 }  // namespace plenoflame::python

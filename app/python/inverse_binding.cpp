@@ -37,7 +37,7 @@ py::array places_of(const Unknowns& unknowns) {
   return given(std::move(places), {count, 3});
 }
 
-/// Makes an operator, as vtkPlenoflameOperator does.
+/// Makes an operator of one or several cameras.
 class OperatorRun : public Runnable {
  public:
   void run(const Execution& execution) override {
@@ -101,48 +101,55 @@ void bind_operator(py::module_& module) {
   using Run = OperatorRun;
   py::class_<Run, Runnable>(module, "Operator")
       .def(py::init<>())
-      .def("SetOption", [](Run& r, const std::string& name,
-                           const std::string& text) { set_option(r.request, name, text); })
-      .def("AddCamera", [](Run& r, Handle scene) { r.scenes.push_back(std::move(scene)); })
-      .def("SetStored", [](Run& r, bool stored) { r.stored = stored; })
-      .def("GetNumberOfRows",
-           [](const Run& r) { return r.problem ? r.problem->rays.rows.size() : 0; })
-      .def("GetNumberOfColumns",
-           [](const Run& r) { return r.problem ? r.problem->unknowns->size() : 0; })
-      .def("GetNumberOfRays",
-           [](const Run& r) { return r.problem ? r.problem->rays.ray_count() : 0; })
-      .def("GetMatrixBytes",
-           [](const Run& r) {
-             return kBytesOfEntry * static_cast<double>(estimated_entries(r.problem->problem));
-           })
-      .def("IsOfSource", [](const Run& r) { return r.problem->problem.model == RowModel::source; })
-      .def("GetShape",
-           [](const Run& r, std::size_t axis) { return shape_of(*r.problem->unknowns).at(axis); })
-      .def("GetPixels",
-           [](const Run& r) {
-             std::vector<int> pixels;
-             for (const auto& row : r.problem->rays.rows)
-               pixels.insert(pixels.end(), {row.column, row.row, row.view});
-             const auto count = static_cast<py::ssize_t>(r.problem->rays.rows.size());
-             return given(std::move(pixels), {count, 3});
-           })
-      .def("GetPlaces", [](const Run& r) { return places_of(*r.problem->unknowns); })
-      .def("GetVolumes",
-           [](const Run& r) {
-             std::vector<double> volumes;
-             for (std::size_t j = 0; j < r.problem->unknowns->size(); ++j)
-               volumes.push_back(r.problem->unknowns->volume(j));
-             const auto count = static_cast<py::ssize_t>(volumes.size());
-             return given(std::move(volumes), {count});
-           })
-      .def("GetRowStarts", [](const Run& r) { return r.shared_array(r.matrix->row_starts()); })
-      .def("GetColumnIndices",
-           [](const Run& r) { return r.shared_array(r.matrix->column_indices()); })
-      .def("GetValues", [](const Run& r) { return r.shared_array(r.matrix->values()); })
-      .def("Times", &Run::times);
+      .def("set_option", [](Run& r, const std::string& name,
+                            const std::string& text) { set_option(r.request, name, text); })
+      .def("add_camera", [](Run& r, Handle scene) { r.scenes.push_back(std::move(scene)); })
+      .def_readwrite("stored", &Run::stored)
+      .def_property_readonly("shape",
+                             [](const Run& r) {
+                               return r.problem ? py::make_tuple(r.problem->rays.rows.size(),
+                                                                 r.problem->unknowns->size())
+                                                : py::make_tuple(0, 0);
+                             })
+      .def_property_readonly(
+          "rays", [](const Run& r) { return r.problem ? r.problem->rays.ray_count() : 0; })
+      .def_property_readonly("matrix_bytes",
+                             [](const Run& r) {
+                               return kBytesOfEntry *
+                                      static_cast<double>(estimated_entries(r.problem->problem));
+                             })
+      .def_property_readonly(
+          "of_source", [](const Run& r) { return r.problem->problem.model == RowModel::source; })
+      .def_property_readonly("grid_shape",
+                             [](const Run& r) { return shape_of(*r.problem->unknowns); })
+      .def_property_readonly("pixels",
+                             [](const Run& r) {
+                               std::vector<int> pixels;
+                               for (const auto& row : r.problem->rays.rows)
+                                 pixels.insert(pixels.end(), {row.column, row.row, row.view});
+                               const auto count =
+                                   static_cast<py::ssize_t>(r.problem->rays.rows.size());
+                               return given(std::move(pixels), {count, 3});
+                             })
+      .def_property_readonly("places", [](const Run& r) { return places_of(*r.problem->unknowns); })
+      .def_property_readonly("volumes",
+                             [](const Run& r) {
+                               std::vector<double> volumes;
+                               for (std::size_t j = 0; j < r.problem->unknowns->size(); ++j)
+                                 volumes.push_back(r.problem->unknowns->volume(j));
+                               const auto count = static_cast<py::ssize_t>(volumes.size());
+                               return given(std::move(volumes), {count});
+                             })
+      .def_property_readonly("row_starts",
+                             [](const Run& r) { return r.shared_array(r.matrix->row_starts()); })
+      .def_property_readonly(
+          "column_indices", [](const Run& r) { return r.shared_array(r.matrix->column_indices()); })
+      .def_property_readonly("values",
+                             [](const Run& r) { return r.shared_array(r.matrix->values()); })
+      .def("times", &Run::times, py::arg("transpose"), py::arg("vector"));
 }
 
-/// Reconstructs, as vtkPlenoflameReconstruction does.
+/// Reconstructs a flame from pictures.
 class ReconstructionRun : public Runnable {
  public:
   void run(const Execution& execution) override { task.run(execution); }
@@ -159,17 +166,19 @@ std::shared_ptr<Voxels> voxels_of_result(const ReconstructionRun& run) {
   return voxels;
 }
 
+py::list pictures_of(const std::vector<Image>& images) {
+  py::list pictures;
+  for (const Image& image : images) pictures.append(given(Image(image)));
+  return pictures;
+}
+
 void bind_reconstruction(py::module_& module) {
   using Run = ReconstructionRun;
-  const auto fields = [](const Run& r) {
-    return r.task.has_result() ? reconstructed_fields(r.task.result())
-                               : std::vector<ReconstructedField>();
-  };
   py::class_<Run, Runnable>(module, "Reconstruction")
       .def(py::init<>())
-      .def("SetOption", [](Run& r, const std::string& name,
-                           const std::string& text) { r.task.set_option(name, text); })
-      .def("AddCamera",
+      .def("set_option", [](Run& r, const std::string& name,
+                            const std::string& text) { r.task.set_option(name, text); })
+      .def("add_camera",
            [](Run& r, const Handle& scene, const std::shared_ptr<LightField>& picture,
               const std::string& what) {
              r.task.add_camera(
@@ -178,38 +187,37 @@ void bind_reconstruction(py::module_& module) {
                  },
                  scene->camera(), *picture, what);
            })
-      .def("SetEarlierField",
+      .def("set_earlier",
            [](Run& r, const std::string& use, const std::string& field, const Numbers& values) {
              r.task.set_earlier(use, field,
                                 std::vector<double>(values.data(), values.data() + values.size()));
            })
-      .def("HasResult", [](const Run& r) { return r.task.has_result(); })
-      .def("IsComplete",
-           [](const Run& r) { return r.task.has_result() && r.task.result().figures.complete; })
-      .def("GetFiguresAsJson", [](const Run& r) { return r.task.report().json_text(); })
-      .def("GetReport", [](const Run& r) { return r.task.report_text(); })
-      .def("GetShape",
-           [](const Run& r, std::size_t axis) { return shape_of(r.task.unknowns()).at(axis); })
-      .def("GetNumberOfFields", [fields](const Run& r) { return fields(r).size(); })
-      .def("GetFieldName", [fields](const Run& r, std::size_t i) { return fields(r).at(i).name; })
-      .def("GetField",
-           [fields](const Run& r, std::size_t i) {
-             std::vector<double> values = *fields(r).at(i).values;
-             const auto count = static_cast<py::ssize_t>(values.size());
-             return given(std::move(values), {count});
-           })
-      .def("GetPlaces", [](const Run& r) { return places_of(r.task.unknowns()); })
-      .def("GetNumberOfPictures",
-           [](const Run& r) { return r.task.result().figures.residual.size(); })
-      .def("GetPicture",
-           [](const Run& r, std::size_t i) {
-             py::dict pictures;
-             pictures["residual"] = given(Image(r.task.result().figures.residual.at(i)));
-             pictures["explained"] = given(Image(r.task.result().figures.explained.at(i)));
-             return pictures;
-           })
-      .def("GetOutput", &voxels_of_result)
-      .def("Write", [](const Run& r, const std::string& path) { r.task.write(path); });
+      .def_property_readonly("has_result", [](const Run& r) { return r.task.has_result(); })
+      .def_property_readonly(
+          "complete",
+          [](const Run& r) { return r.task.has_result() && r.task.result().figures.complete; })
+      .def_property_readonly("figures", [](const Run& r) { return r.task.report().json_text(); })
+      .def_property_readonly("report", [](const Run& r) { return r.task.report_text(); })
+      .def_property_readonly("shape", [](const Run& r) { return shape_of(r.task.unknowns()); })
+      .def_property_readonly(
+          "fields",
+          [](const Run& r) {
+            py::dict fields;
+            if (!r.task.has_result()) return fields;
+            for (const ReconstructedField& field : reconstructed_fields(r.task.result())) {
+              std::vector<double> values = *field.values;
+              const auto count = static_cast<py::ssize_t>(values.size());
+              fields[py::str(field.name)] = given(std::move(values), {count});
+            }
+            return fields;
+          })
+      .def_property_readonly("places", [](const Run& r) { return places_of(r.task.unknowns()); })
+      .def_property_readonly(
+          "residuals", [](const Run& r) { return pictures_of(r.task.result().figures.residual); })
+      .def_property_readonly(
+          "explained", [](const Run& r) { return pictures_of(r.task.result().figures.explained); })
+      .def_property_readonly("output", &voxels_of_result)
+      .def("write", [](const Run& r, const std::string& path) { r.task.write(path); });
 }
 
 }  // namespace

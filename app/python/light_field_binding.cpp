@@ -13,6 +13,7 @@
 #include "plenoflame/render/render_request.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "values.h"
 
 namespace plenoflame::python {
 namespace {
@@ -20,7 +21,7 @@ namespace {
 namespace py = pybind11;
 using Field = std::shared_ptr<LightField>;
 
-/// Renders as vtkPlenoflameLightFieldSource does.
+/// Renders a scene.
 class LightFieldSource : public Runnable {
  public:
   void run(const Execution& execution) override {
@@ -55,18 +56,11 @@ std::map<std::string, Image*> images_of(LightField& field) {
   return images;
 }
 
-/// None where there is no picture of this name.
-py::object array_of(const Field& field, const std::string& name) {
-  const auto images = images_of(*field);
-  const auto found = images.find(name);
-  if (found == images.end()) return py::none();
-  return shared(*found->second, field);
-}
-
-std::vector<std::string> array_names(const Field& field) {
-  std::vector<std::string> names;
-  for (const auto& [name, image] : images_of(*field)) names.push_back(name);
-  return names;
+/// By name; they share its memory.
+py::dict arrays_of(const Field& field) {
+  py::dict arrays;
+  for (const auto& [name, image] : images_of(*field)) arrays[py::str(name)] = shared(*image, field);
+  return arrays;
 }
 
 std::vector<std::string> channels_of(const LightField& field) {
@@ -81,16 +75,14 @@ std::vector<std::string> layers_of(const LightField& field) {
   return names;
 }
 
+/// Plain values that hold all of it; pictures share its memory.
 py::dict state_of(const Field& field) {
-  py::dict images, state;
-  for (const auto& [name, image] : images_of(*field))
-    images[py::str(name)] = array_of(field, name).attr("copy")();
-  const PixelWindow& w = field->window;
-  state["images"] = images;
+  py::dict state;
+  state["images"] = arrays_of(field);
   state["channels"] = channels_of(*field);
   state["layers"] = layers_of(*field);
   state["sensor"] = py::make_tuple(field->sensor_width, field->sensor_height);
-  state["window"] = py::make_tuple(w.x, w.y, w.width, w.height);
+  state["window"] = field->window;
   state["texts"] = py::make_tuple(field->scene_text, field->estimator, field->version, field->unit);
   state["seed"] = field->seed;
   state["samples"] = field->samples;
@@ -104,11 +96,10 @@ Field field_of(const py::dict& state) {
   const Field field = std::make_shared<LightField>();
   const auto images = state["images"].cast<std::map<std::string, py::array>>();
   const auto sensor = state["sensor"].cast<std::array<int, 2>>();
-  const auto window = state["window"].cast<std::array<int, 4>>();
   const auto texts = state["texts"].cast<std::array<std::string, 4>>();
   field->sensor_width = sensor[0];
   field->sensor_height = sensor[1];
-  field->window = {window[0], window[1], window[2], window[3]};
+  field->window = state["window"].cast<PixelWindow>();
   for (const auto& name : state["channels"].cast<std::vector<std::string>>()) {
     LightFieldChannel channel{name, image_of(images.at(name)), {}};
     const auto error = images.find(name + ".error");
@@ -131,39 +122,19 @@ Field field_of(const py::dict& state) {
 
 void bind_source(py::module_& module) {
   using Source = LightFieldSource;
-  py::class_<Source, Runnable>(module, "LightFieldSource")
-      .def(py::init<>())
-      .def("SetInputDataObject",
-           [](Source& s, std::shared_ptr<SceneHandle> scene) { s.scene = std::move(scene); })
-      .def("SetSamples",
-           [](Source& s, int samples) {
-             s.request.samples = samples > 0 ? std::optional(samples) : std::nullopt;
-           })
-      .def("SetSeed",
-           [](Source& s, std::int64_t seed) {
-             s.request.seed =
-                 seed >= 0 ? std::optional(static_cast<std::uint64_t>(seed)) : std::nullopt;
-           })
-      .def("SetEstimator",
-           [](Source& s, int estimator) {
-             if (estimator == 1) s.request.estimator = Estimator::backward;
-             if (estimator == 2) s.request.estimator = Estimator::forward;
-           })
-      .def("SetTargetError",
-           [](Source& s, double error) {
-             s.request.target_error = error > 0 ? std::optional(error) : std::nullopt;
-           })
-      .def("SetTimeLimit",
-           [](Source& s, double limit) {
-             s.request.time_limit = limit > 0 ? std::optional(limit) : std::nullopt;
-           })
-      .def("SetTruth", [](Source& s, bool truth) { s.truth = truth; })
-      .def("SetWindow",
-           [](Source& s, int x, int y, int width, int height) {
-             s.window = {x, y, width, height};
-           })
-      .def("GetRelativeError", [](const Source& s) { return s.relative_error; })
-      .def("GetOutput", [](const Source& s) {
+  py::enum_<Estimator>(module, "Estimator")
+      .value("backward", Estimator::backward)
+      .value("forward", Estimator::forward);
+  py::class_<Source, Runnable> source(module, "LightFieldSource");
+  attributes(source, &Source::request, "samples", &RenderRequest::samples, "seed",
+             &RenderRequest::seed, "estimator", &RenderRequest::estimator, "target_error",
+             &RenderRequest::target_error, "time_limit", &RenderRequest::time_limit);
+  source.def(py::init<>())
+      .def_readwrite("scene", &Source::scene)
+      .def_readwrite("window", &Source::window)
+      .def_readwrite("truth", &Source::truth)
+      .def_readonly("relative_error", &Source::relative_error)
+      .def_property_readonly("output", [](const Source& s) {
         if (!s.output) throw Cancelled();
         return s.output;
       });
@@ -173,20 +144,18 @@ void bind_source(py::module_& module) {
 
 void bind_light_field(py::module_& module) {
   py::class_<LightField, Field>(module, "LightField")
-      .def("Array", &array_of)
-      .def("ArrayNames", &array_names)
-      .def("Channels", &channels_of)
-      .def("Layers", &layers_of)
-      .def("SceneText", [](const LightField& f) { return f.scene_text; })
-      .def("Window",
-           [](const LightField& f) {
-             return py::make_tuple(f.window.x, f.window.y, f.window.width, f.window.height);
-           })
-      .def("Complete", [](const LightField& f) { return f.complete; })
-      .def("Sensor",
-           [](const LightField& f) { return py::make_tuple(f.sensor_width, f.sensor_height); })
-      .def("State", &state_of)
-      .def_static("FromState", &field_of);
+      .def_property_readonly("arrays", &arrays_of)
+      .def_property_readonly("channels", &channels_of)
+      .def_property_readonly("layers", &layers_of)
+      .def_readonly("scene_text", &LightField::scene_text)
+      .def_readonly("unit", &LightField::unit)
+      .def_readonly("window", &LightField::window)
+      .def_readonly("complete", &LightField::complete)
+      .def_property_readonly(
+          "sensor",
+          [](const LightField& f) { return py::make_tuple(f.sensor_width, f.sensor_height); })
+      .def_property_readonly("state", &state_of)
+      .def_static("from_state", &field_of, py::arg("state"));
   bind_source(module);
 }
 

@@ -1,5 +1,5 @@
-// The package's compiled half without VTK. Its classes have the names and setters of the VTK
-// classes (vtkPlenoflameX is X here), so that both use the same Python layer.
+// The compiled part of the Python package: objects that are set up, run, and then give their
+// results. The Python layer (plenoflame/) makes functions with keywords of them.
 #include <pybind11/pybind11.h>
 
 #include <exception>
@@ -40,7 +40,7 @@ void run_watched(Runnable& runnable, const py::function& on_progress,
 PYBIND11_MODULE(_core, module) {
   namespace py = pybind11;
   using namespace plenoflame::python;
-  module.doc() = "Plenoflame's library without VTK; use the package plenoflame instead.";
+  module.doc() = "Plenoflame's library; use the package plenoflame instead.";
   // Everything that the library throws, in the words of the command line.
   static const py::exception<plenoflame::Error> failure(module, "Failure", PyExc_RuntimeError);
   py::register_exception_translator([](std::exception_ptr thrown) {
@@ -55,9 +55,8 @@ PYBIND11_MODULE(_core, module) {
     }
   });
   py::class_<Runnable>(module, "Runnable")
-      .def("SetNumberOfThreads",
-           [](Runnable& runnable, int threads) { runnable.threads = threads; })
-      .def("Run", &run_watched);
+      .def_readwrite("threads", &Runnable::threads)
+      .def("run", &run_watched, py::arg("on_progress"), py::arg("on_warning"));
   bind_scene(module);
   bind_camera(module);
   bind_light_field(module);

@@ -12,6 +12,7 @@
 #include "plenoflame/render/ray_path_request.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "values.h"
 
 namespace plenoflame::python {
 namespace {
@@ -171,40 +172,23 @@ RayPaths paths_of(const py::dict& state) {
 
 void bind_rays(py::module_& module) {
   using Source = RayPathSource;
-  py::class_<Source, Runnable>(module, "RayPathSource")
-      .def(py::init<>())
-      .def("SetInputDataObject",
-           [](Source& s, std::shared_ptr<SceneHandle> scene) { s.scene = std::move(scene); })
-      .def("AddPixel",
-           [](Source& s, int x, int y) {
-             s.request.pixels.push_back({x, y});
-           })
-      .def("AddMicrolens",
-           [](Source& s, int q, int r) {
-             s.request.microlenses.push_back({q, r});
-           })
-      .def("AddObjectPoint",
-           [](Source& s, double x, double y, double z) {
-             s.request.points.push_back({x, y, z});
-           })
-      .def("SetNumberOfRandomPixels", [](Source& s, int n) { s.request.random_pixels = n; })
-      .def("SetChiefRays", [](Source& s, bool chief) { s.request.chief_rays = chief; })
-      .def("SetRaysPerPixel", [](Source& s, int rays) { s.request.rays_per_pixel = rays; })
-      .def("SetRaysPerPoint", [](Source& s, int rays) { s.request.rays_per_point = rays; })
-      .def("SetFlameSamples", [](Source& s, int n) { s.request.flame_samples = n; })
-      .def("SetSeed",
-           [](Source& s, std::int64_t seed) {
-             s.request.seed =
-                 seed >= 0 ? std::optional(static_cast<std::uint64_t>(seed)) : std::nullopt;
-           })
-      .def("SetMaximumNumberOfRays", [](Source& s, std::size_t most) { s.request.most = most; })
-      .def("SetSelectedType", [](Source& s, int type) { s.request.type = type; })
-      .def("SetStatusSelected", [](Source& s, std::size_t status,
-                                   bool selected) { s.request.statuses.at(status) = selected; })
-      .def("GetOutput", [](const Source& s) { return plain(s.output); });
-  module.def("WriteRays", [](const std::string& path, const py::dict& state) {
-    write_ray_paths(path, paths_of(state));
-  });
+  using Request = RayPathRequest;
+  py::class_<Source, Runnable> source(module, "RayPathSource");
+  attributes(source, &Source::request, "pixels", &Request::pixels, "microlenses",
+             &Request::microlenses, "points", &Request::points, "random", &Request::random_pixels,
+             "chief", &Request::chief_rays, "rays_per_pixel", &Request::rays_per_pixel,
+             "rays_per_point", &Request::rays_per_point, "flame_samples", &Request::flame_samples,
+             "seed", &Request::seed, "statuses", &Request::statuses, "lens_type", &Request::type,
+             "most", &Request::most);
+  source.def(py::init<>())
+      .def_readwrite("scene", &Source::scene)
+      .def_property_readonly("output", [](const Source& s) { return plain(s.output); });
+  module.def(
+      "write_rays",
+      [](const std::string& path, const py::dict& state) {
+        write_ray_paths(path, paths_of(state));
+      },
+      py::arg("path"), py::arg("state"));
 }
 
 }  // namespace plenoflame::python

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "ray_block_queue.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "values.h"
 
 namespace plenoflame::python {
 namespace {
@@ -65,7 +67,7 @@ class RayStream {
     };
     const auto compiled = scene->compile(execution);
     settings.replicates = std::clamp(settings.samples, 1, settings.replicates);
-    settings.seed = seed >= 0 ? static_cast<std::uint64_t>(seed) : compiled->scene.render.seed;
+    settings.seed = seed.value_or(compiled->scene.render.seed);
     const auto content = radiance ? RayStreamContent::radiance : RayStreamContent::rays;
     if (double_precision)
       double_ = std::make_unique<pipeline::RayBlockQueue<double>>(compiled, settings, threads,
@@ -90,7 +92,7 @@ class RayStream {
   }
 
   RenderSettings settings;
-  std::int64_t seed = -1;
+  std::optional<std::uint64_t> seed;  ///< none: the scene's
   bool double_precision = true, radiance = false;
   std::size_t rays_per_block = 65536;
   int threads = 0;
@@ -115,24 +117,20 @@ class RayStream {
 void bind_ray_stream(py::module_& module) {
   using Stream = RayStream;
   const auto released = py::call_guard<py::gil_scoped_release>();
-  py::class_<Stream>(module, "RayStream")
-      .def(py::init<>())
-      .def("SetSamples", [](Stream& s, int samples) { s.settings.samples = samples; })
-      .def("SetWindow",
-           [](Stream& s, int x, int y, int width, int height) {
-             s.settings.window = {x, y, width, height};
-           })
-      .def("SetDoublePrecision", [](Stream& s, bool yes) { s.double_precision = yes; })
-      .def("SetRadiance", [](Stream& s, bool yes) { s.radiance = yes; })
-      .def("SetSeed", [](Stream& s, std::int64_t seed) { s.seed = seed; })
-      .def("SetSkip", [](Stream& s, bool skip) { s.settings.skip = skip; })
-      .def("SetRaysPerBlock", [](Stream& s, std::size_t rays) { s.rays_per_block = rays; })
-      .def("SetNumberOfThreads", [](Stream& s, int threads) { s.threads = threads; })
-      .def("Start", &Stream::start, released)
-      .def("IsReady", &Stream::is_ready)
-      .def("Next", &Stream::next)
-      .def("Stop", &Stream::stop, released)
-      .def("TakeWarnings", [](Stream& s) { return std::exchange(s.warnings, {}); });
+  py::class_<Stream> stream(module, "RayStream");
+  attributes(stream, &Stream::settings, "samples", &RenderSettings::samples, "window",
+             &RenderSettings::window, "skip", &RenderSettings::skip);
+  stream.def(py::init<>())
+      .def_readwrite("double_precision", &Stream::double_precision)
+      .def_readwrite("radiance", &Stream::radiance)
+      .def_readwrite("seed", &Stream::seed)
+      .def_readwrite("rays_per_block", &Stream::rays_per_block)
+      .def_readwrite("threads", &Stream::threads)
+      .def("start", &Stream::start, released, py::arg("scene"))
+      .def("is_ready", &Stream::is_ready)
+      .def("next", &Stream::next)
+      .def("stop", &Stream::stop, released)
+      .def("take_warnings", [](Stream& s) { return std::exchange(s.warnings, {}); });
 }
 
 }  // namespace plenoflame::python

@@ -5,7 +5,7 @@
 
 namespace plenoflame::python {
 
-/// An object that is set up and run, and then gives its result, like VTK's algorithms.
+/// An object that is set up and run, and then gives its result.
 class Runnable {
  public:
   virtual ~Runnable() = default;

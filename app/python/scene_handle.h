@@ -7,7 +7,7 @@
 
 namespace plenoflame::python {
 
-/// A scene without VTK, in place of vtkPlenoflameScene.
+/// A scene, and what was said about it.
 struct SceneHandle : SceneSession {
   std::vector<std::string> warnings;  ///< not fetched yet
 };

@@ -11,7 +11,7 @@
 
 namespace plenoflame::python {
 
-/// A flame's fields without VTK, in place of a vtkImageData.
+/// A flame's fields on one lattice.
 struct Voxels {
   VoxelPlace place;
   std::vector<VoxelArray> arrays;

@@ -16,8 +16,8 @@ scene = plenoflame.Scene(sys.argv[1] if len(sys.argv) > 1 else here.parent / "le
 folder = pathlib.Path(sys.argv[2] if len(sys.argv) > 2 else ".")
 
 rays = scene.rays(pixels=[(scene.columns // 2, scene.rows // 2)], rays=64, flame_samples=32)
-blocks = {"camera": scene.camera(LevelOfDetail=1), "flame": scene.flame(96).image, "rays": rays.polydata,
-          "light field": scene.render(samples=4).image}
+blocks = {"camera": scene.camera(LevelOfDetail=1), "flame": scene.flame(96).to_vtk(), "rays": rays.to_vtk(),
+          "light field": scene.render(samples=4).to_vtk()}
 together = vtkMultiBlockDataSet()
 for number, (name, data) in enumerate(blocks.items()):
     together.SetBlock(number, data)

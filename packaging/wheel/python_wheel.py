@@ -17,7 +17,7 @@ import zipfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SETTINGS = ["-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DBUILD_TESTING=OFF", "-DPLENOFLAME_WITH_PYTHON=ON",
             "-DPLENOFLAME_COMPILE_TOGETHER=ON",  # a third of the time
-            "-DPLENOFLAME_WITH_CLI=OFF", "-DPLENOFLAME_WITH_VTK=OFF", "-DPLENOFLAME_WITH_DESKTOP=OFF"]
+            "-DPLENOFLAME_WITH_CLI=OFF", "-DPLENOFLAME_WITH_VTK=OFF", "-DPLENOFLAME_WITH_DESKTOP=OFF", "-DCMAKE_INSTALL_LIBDIR=lib"]
 LEFT_OUT = {"build", ".git", "__pycache__"}
 
 
@@ -62,8 +62,8 @@ def _build(folder):
     """Builds the package into a folder. PLENOFLAME_BUILD names one that is kept, so that the next build is quick."""
     build = pathlib.Path(os.environ.get("PLENOFLAME_BUILD") or folder / "build")
     _run("cmake", "-S", ROOT, "-B", build, *SETTINGS, f"-DPython3_EXECUTABLE={sys.executable}")
-    _run("cmake", "--build", build, "--target", "plenoflame_python_alone")
-    return build / "python" / "plenoflame"
+    _run("cmake", "--build", build, "--target", "plenoflame_python")
+    return build / "lib" / "python3" / "dist-packages" / "plenoflame"
 
 
 def _record(name, content):
@@ -92,7 +92,8 @@ def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):
     information = f"plenoflame-{version()}.dist-info"
     with tempfile.TemporaryDirectory(prefix="plenoflame-wheel-") as temporary:
         package = _build(pathlib.Path(temporary))
-        contents = {f"plenoflame/{path.name}": path.read_bytes() for path in sorted(package.iterdir()) if path.is_file()}
+        contents = {f"plenoflame/{path.name}": path.read_bytes() for path in sorted(package.iterdir())
+                    if path.is_file() and not path.name.startswith("vtkPlenoflame")}  # of an earlier build with VTK
     contents.update({f"{information}/{file}": text.encode() for file, text in _information().items()})
     record = f"{information}/RECORD"
     contents[record] = ("".join(_record(*item) for item in contents.items()) + f"{record},,\n").encode()

@@ -85,7 +85,12 @@ cat >script.py <<'PYTHON'
 import sys
 import numpy
 import plenoflame
-assert (plenoflame.vtk is None) == (sys.argv[2] == "alone"), plenoflame.vtk
+try:
+    plenoflame.vtk
+except plenoflame.Error as error:
+    assert sys.argv[2] == "alone" and "python3-plenoflame-vtk" in str(error), error
+else:
+    assert sys.argv[2] == "vtk" and plenoflame.Scene(sys.argv[1]).to_vtk().GetListSize("flames") > 0
 scene = plenoflame.Scene(sys.argv[1])
 numpy.save(sys.argv[2] + ".npy", scene.render(samples=1, window=(100, 100, 40, 40)).flux)
 assert scene.rays(pixels=[(150, 150)], rays=4).weight.sum() > 0

@@ -8,7 +8,6 @@ import unittest
 
 try:
     from vtkmodules.util import vtkAlgorithm
-    from vtkmodules.vtkCommonDataModel import vtkImageData
     from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline, vtkTrivialProducer
 except ImportError as error:
     print(f"skipped: {error} (apt-get install python3-vtk9)")
@@ -48,10 +47,8 @@ class Filters(unittest.TestCase):
 
     def source(self):
         """A light field's reader, of which nothing is asked yet."""
-        image = vtkImageData()
-        plugin.light_field_to_image(self.field, image)
         producer = vtkTrivialProducer()
-        producer.SetOutput(image)
+        producer.SetOutput(self.field.to_vtk())
         return producer
 
     def announced(self, algorithm, port=0):

@@ -23,7 +23,6 @@ assert hasattr(simple, "PlenoflameScene"), "plenoflame-paraview starts ParaView 
 LoadPlugin(os.environ["PLENOFLAME_PLUGIN"], remote=False, ns=globals())  # once more, for its names here
 import plenoflame
 from plenoflame import _core
-from plenoflame_data import voxels_to_image
 
 
 def command(*arguments):
@@ -130,18 +129,16 @@ def test_vdb_keeps_its_place():
 
 def test_turned_voxels_keep_their_directions():
     """A quarter turn about z: the image's x axis is the world's y."""
-    from vtkmodules.vtkCommonDataModel import vtkImageData
     turned = _core.Voxels((2, 3, 4), (1, 2, 3), (1e-3, 2e-3, 3e-3), [(0, 1, 0), (-1, 0, 0), (0, 0, 1)])
-    turned.Add("temperature", numpy.arange(24.0).reshape(2, 3, 4))
-    image = vtkImageData()
-    voxels_to_image(turned, image)
+    turned.add("temperature", numpy.arange(24.0).reshape(2, 3, 4))
+    image = plenoflame.Flame(turned).to_vtk()
     at = [0.0] * 3
     image.TransformIndexToPhysicalPoint(1, 2, 3, at)
     numpy.testing.assert_allclose(at, (1 - 4e-3, 2 + 1e-3, 3 + 9e-3), rtol=1e-12)
 
 
 def test_properties_are_those_of_the_schema():
-    about = {path: description for path, description, _, _ in _core.GetSchema()}
+    about = {path: description for path, description, _, _ in _core.schema()}
     field = PlenoflameLightField()
     for name, path in (("Samples", "render.samples"), ("Seed", "render.seed"), ("Estimator", "render.estimator")):
         said = field.GetProperty(name).SMProperty.GetDocumentation().GetDescription()

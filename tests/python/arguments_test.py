@@ -81,7 +81,7 @@ class Arguments(PackageTest):
         self.refused("there is no flame 'match'", plenoflame.make_flame, "match")
         self.refused("height: ", plenoflame.make_flame, "candle", height=3)
         scene = self.small.copy()
-        self.refused("image takes a Flame", scene.add_flame, hot)
+        self.refused("flame takes a Flame", scene.add_flame, hot)
         cold = hot.copy()
         cold[1, 2, 3] = numpy.nan
         self.refused("at (1, 2, 3); values must be finite and not negative", scene.add_flame,

@@ -6,6 +6,7 @@ import sys
 
 import numpy
 from package import ROOT, PackageTest, main
+from picture_test import read_png
 from vtkmodules.vtkIOXML import vtkXMLMultiBlockDataReader
 
 import plenoflame
@@ -40,6 +41,15 @@ class Examples(PackageTest):
     def test_scene_picture(self):
         self.assertEqual(self.size_of(self.run_example("scene_picture.py", self.small_scene())), (1200, 800))
 
+    def test_vtk_pipeline(self):
+        """Rays left, of the status 0, which is red; the light field right, grey up to its largest flux."""
+        picture = read_png(self.run_example("vtk_pipeline.py", self.small_scene()))
+        self.assertEqual(picture.shape, (500, 1000, 3))
+        self.assertGreater((picture[:, :500] == (255, 0, 0)).all(2).sum(), 200)
+        self.assertTrue((picture[:, 500:] == picture[:, 500:, :1]).all())
+        self.assertGreater(picture[:, 500:].max(), 250)
+        self.assertGreater((picture[:, 500:] < 20).mean(), 0.5)
+
     def test_operator_vjp(self):
         """The descent goes down, which it does not with a wrong adjoint; and what it finds is not negative."""
         found = numpy.load(self.run_example("operator_vjp.py", self.small_scene()))
@@ -69,7 +79,7 @@ class Examples(PackageTest):
         self.assertEqual(names, ["camera", "flame", "rays", "light field"])
         self.assertGreater(blocks.GetBlock(2).GetNumberOfLines(), 10)
         # The light field in the file is still one: its views can be made.
-        field = plenoflame.LightField(blocks.GetBlock(3))
+        field = plenoflame.LightField.from_vtk(blocks.GetBlock(3))
         self.assertEqual(len(field.views(2)), 4)
 
 

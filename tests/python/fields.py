@@ -19,7 +19,7 @@ def soot(p):
 
 def voxels(image):
     """(points (n, 3), temperature, absorption) of an imported flame."""
-    image = image.image
+    image = image.to_vtk()
     points = numpy.array([image.GetPoint(i) for i in range(image.GetNumberOfPoints())])
     data = image.GetPointData()
     return points, vtk_to_numpy(data.GetArray("temperature")), vtk_to_numpy(data.GetArray("absorption"))

@@ -77,10 +77,8 @@ class Messages(PackageTest):
         """The class itself, as a script of VTK uses it: an event, an empty output, and the program goes on."""
         from vtkmodules.util.vtkConstants import VTK_STRING
         from vtkmodules.vtkCommonCore import vtkCommand
-
-        from plenoflame import vtkPlenoflameImport
         self.write_mesh()
-        source = vtkPlenoflameImport.vtkPlenoflameFlameImport()
+        source = plenoflame.vtk.vtkPlenoflameFlameImport()
         source.SetFileName(str(self.folder / "m.vtu"))
         source.SetTemperatureArray("hot")
         source.SetConstantAbsorption(1)

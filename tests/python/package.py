@@ -1,5 +1,6 @@
 """Base of the tests of the Python package: a folder of its own, and a small scene."""
 
+import importlib.util
 import json
 import os
 import pathlib
@@ -13,7 +14,7 @@ if os.environ.get("PLENOFLAME_ALONE"):
 
 import plenoflame
 
-VTK = plenoflame.vtk is not None
+VTK = "PLENOFLAME_ALONE" not in os.environ and importlib.util.find_spec("plenoflame.vtkPlenoflame") is not None
 needs_vtk = unittest.skipUnless(VTK, "the package was built without VTK")
 
 ROOT = pathlib.Path(os.environ["PLENOFLAME_ROOT"])

@@ -102,7 +102,6 @@ material.reflectivity = %g
         field.flux[:] = 0
         dark = plenoflame.picture(scene, view="array", light_field=field, size=self.size, axes=False)
         field.flux[:] = 1
-        field.image.Modified()
         bright = plenoflame.picture(scene, view="array", light_field=field, size=self.size, axes=False)
         self.assertGreater(bright.astype(int).sum(), 1.05 * dark.astype(int).sum())
 

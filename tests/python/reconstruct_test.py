@@ -72,10 +72,9 @@ class Reconstruct(PackageTest):
         operator = self.small.operator(**self.RINGS)
         matrix = operator.matrix
         self.assertIs(operator.matrix, matrix)
-        from plenoflame._library import data
-        for mine, theirs in ((matrix.data, operator.algorithm.GetValues()),
-                             (matrix.indices, operator.algorithm.GetColumnIndices())):
-            self.assertTrue(numpy.shares_memory(mine, data.numbers(theirs)))
+        for mine, theirs in ((matrix.data, operator._algorithm.values),
+                             (matrix.indices, operator._algorithm.column_indices)):
+            self.assertTrue(numpy.shares_memory(mine, theirs))
         with self.assertRaises(ValueError):
             matrix.data[0] = 1
         copy = matrix.copy()

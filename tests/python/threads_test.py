@@ -3,7 +3,9 @@
 import sys
 import threading
 
-from package import PackageTest, main
+from package import PackageTest, main, needs_vtk
+
+import plenoflame
 
 
 class Threads(PackageTest):
@@ -49,6 +51,16 @@ class Threads(PackageTest):
     def test_rays(self):
         scene = self.scene(200)
         self.assertGreater(self.ticks_during(lambda: scene.rays(random=200, rays=64, flame_samples=20)), 0)
+
+    @needs_vtk
+    def test_import(self):
+        from fields import mesh
+        from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+        writer = vtkXMLUnstructuredGridWriter()
+        writer.SetFileName(str(self.folder / "a.vtu"))
+        writer.SetInputData(mesh())
+        writer.Write()
+        self.assertGreater(self.ticks_during(lambda: plenoflame.import_flame(self.folder / "a.vtu", constant=1, voxel_size=4e-4)), 50)
 
     def test_a_thread_meets_the_run_at_work(self):
         """A second thread waits until the run is at work, and the run until the thread has said so."""

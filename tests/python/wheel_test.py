@@ -65,8 +65,8 @@ class Wheel(PackageTest):
         tools = self.folder / "tools"
         tools.mkdir()
         built = pathlib.Path(plenoflame.__file__).parent
-        (tools / "cmake").write_text(f'#!/bin/sh\n[ "$1" = --build ] || exit 0\nmkdir -p "$2/python"\n'
-                                     f'cp -r {shlex.quote(str(built))} "$2/python/plenoflame"\n')
+        (tools / "cmake").write_text(f'#!/bin/sh\n[ "$1" = --build ] || exit 0\nmkdir -p "$2/lib/python3/dist-packages"\n'
+                                     f'cp -r {shlex.quote(str(built))} "$2/lib/python3/dist-packages/plenoflame"\n')
         (tools / "cmake").chmod(0o755)
         environment = {name: value for name, value in os.environ.items() if name != "PYTHONPATH"}
         environment.update(HOME=str(self.folder), PATH=f"{tools}:{os.environ['PATH']}", PIP_NO_INDEX="1",

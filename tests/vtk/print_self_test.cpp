@@ -8,15 +8,10 @@
 
 #include <gtest/gtest.h>
 #include "vtkPlenoflameCameraSource.h"
-#include "vtkPlenoflameComparison.h"
-#include "vtkPlenoflameDevelop.h"
-#include "vtkPlenoflameExport.h"
-#include "vtkPlenoflameFlameGenerator.h"
 #include "vtkPlenoflameFlameImport.h"
 #include "vtkPlenoflameFlameReader.h"
 #include "vtkPlenoflameFlameSource.h"
 #include "vtkPlenoflameFlameWriter.h"
-#include "vtkPlenoflameFocusStack.h"
 #include "vtkPlenoflameLightFieldReader.h"
 #include "vtkPlenoflameLightFieldSource.h"
 #include "vtkPlenoflameLightFieldWriter.h"
@@ -76,10 +71,6 @@ TEST(PrintSelf, Sources) {
   vtkNew<vtkPlenoflameFlameSource> flame;
   flame->SetResolution(33);
   expect_printed(flame, {"Resolution: 33"});
-  vtkNew<vtkPlenoflameFlameGenerator> generator;
-  generator->SetFlameName("cylinder");
-  generator->SetParameter("height", "3 mm");
-  expect_printed(generator, {"FlameName: cylinder", "Parameters: height=3 mm"});
   vtkNew<vtkPlenoflameLightFieldSource> field;
   field->SetSamples(12);
   field->SetSeed(5);
@@ -108,11 +99,6 @@ TEST(PrintSelf, Sources) {
 }
 
 TEST(PrintSelf, Filters) {
-  vtkNew<vtkPlenoflameDevelop> develop;
-  develop->SetBits(12);
-  develop->SetSaturation(2.5);
-  develop->SetChannel("red");
-  expect_printed(develop, {"Saturation: 2.5", "Bits: 12", "Channel: red"});
   vtkNew<vtkPlenoflameViews> views;
   views->SetGrid(9);
   views->SetSpread(0.5);
@@ -124,18 +110,6 @@ TEST(PrintSelf, Filters) {
   refocus->SetWidth(300);
   refocus->SetAperture(0.25);
   expect_printed(refocus, {"Depth: 1.5", "Width: 300", "Aperture: 0.25"});
-  vtkNew<vtkPlenoflameFocusStack> stack;
-  stack->AddDepth(0.5);
-  stack->AddDepth(0.75);
-  expect_printed(stack, {"Aperture: 1", "Depths: 0.5 0.75"});
-  vtkNew<vtkPlenoflameExport> files;
-  files->SetFolder("out");
-  files->SetFormat("hci");
-  files->SetGrid(5);
-  expect_printed(files, {"Folder: out", "Format: hci", "Stem: lightfield", "Grid: 5"});
-  vtkNew<vtkPlenoflameComparison> comparison;
-  comparison->SetChannel("red");
-  expect_printed(comparison, {"Channel: red"});
   vtkNew<vtkPlenoflameFlameImport> flames;
   flames->SetFileName("run.vtu");
   flames->SetSootArray("fv");

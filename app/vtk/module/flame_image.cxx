@@ -6,8 +6,6 @@
 #include <vtkPointData.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 
 #include "plenoflame/base/error.h"
@@ -35,20 +33,6 @@ vtkSmartPointer<vtkImageData> flame_image(const Medium& medium, int longest,
   add("temperature", samples.temperature);
   image->GetPointData()->SetActiveScalars("temperature");
   return image;
-}
-
-void flame_to_image(FlameFields flame, vtkImageData& image) {
-  flame.temperature.name = "temperature";
-  flame.absorption.name = "absorption";
-  std::vector<const VoxelField*> fields{&flame.temperature, &flame.absorption};
-  for (const VoxelField& line : flame.lines) fields.push_back(&line);
-  IndexBox box;
-  for (const VoxelField* field : fields) box.add(stored_box(*field));
-  if (box.empty()) throw InputError("the flame is empty: every voxel has the background's value");
-  image.Initialize();
-  place_image(flame.temperature.index_to_world, box, false, image);
-  for (const VoxelField* field : fields) add_array(voxel_values(*field, box), image);
-  image.GetPointData()->SetActiveScalars("temperature");
 }
 
 FlameFields image_to_flame(vtkImageData& image, const std::string& temperature,

@@ -23,11 +23,6 @@ namespace plenoflame::pipeline {
 vtkSmartPointer<vtkImageData> flame_image(const Medium& medium, int longest,
                                           const Execution& execution);
 
-/// All grids of a flame as float arrays "temperature" [K], "absorption" [1/m] and one per emission
-/// line [W/m^3]. They must have the same lattice.
-/// @throws InputError: nothing but background
-void flame_to_image(FlameFields flame, vtkImageData& image);
-
 /// The flame of an image: temperature, absorption, and the other arrays that are named after
 /// emission lines. @param ambient temperature outside [K]
 /// @throws InputError as image_to_voxels, and for values that are not finite or negative

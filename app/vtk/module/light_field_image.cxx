@@ -86,8 +86,7 @@ Image image_of(vtkImageData& in, const std::string& name, const PixelWindow& win
   return image;
 }
 
-}  // namespace
-
+/// Adds a further picture of the same size.
 void add_image(const Image& in, const std::string& name, vtkImageData& out) {
   vtkNew<vtkFloatArray> array;
   array->SetName(name.c_str());
@@ -99,6 +98,8 @@ void add_image(const Image& in, const std::string& name, vtkImageData& out) {
     std::copy_n(in.pixels.data() + row * width, width, to + (height - 1 - row) * width);
   out.GetPointData()->AddArray(array);
 }
+
+}  // namespace
 
 void image_to_vtk(const Image& in, const char* name, vtkImageData& out) {
   out.Initialize();
@@ -150,6 +151,14 @@ void light_field_to_image(const LightField& field, vtkImageData& image) {
   }
   add_texts(data, "number_names", names);
   add_numbers(data, "numbers", values);
+  names.clear();
+  std::vector<std::string> texts;
+  for (const auto& [name, text] : field.texts) {
+    names.push_back(name);
+    texts.push_back(text);
+  }
+  add_texts(data, "text_names", names);
+  add_texts(data, "texts", texts);
 }
 
 LightField image_to_light_field(vtkImageData& image) {
@@ -186,6 +195,13 @@ LightField image_to_light_field(vtkImageData& image) {
   const std::vector<double> values =
       numbers_of(data, "numbers", static_cast<vtkIdType>(names.size()));
   for (std::size_t i = 0; i < names.size(); ++i) field.numbers[names[i]] = values[i];
+  if (!data.HasArray(full_name("text_names").c_str())) return field;  // of an older file
+  const std::vector<std::string> text_names = texts_of(data, "text_names");
+  const std::vector<std::string> texts = texts_of(data, "texts");
+  if (texts.size() != text_names.size())
+    throw InputError("the image is no light field: it has " + std::to_string(text_names.size()) +
+                     " names of texts, but " + std::to_string(texts.size()) + " texts");
+  for (std::size_t i = 0; i < texts.size(); ++i) field.texts[text_names[i]] = texts[i];
   return field;
 }
 

@@ -24,7 +24,4 @@ LightField image_to_light_field(vtkImageData& image);
 /// One image as a float array `name`; rows turned over.
 void image_to_vtk(const Image& in, const char* name, vtkImageData& out);
 
-/// Adds a further one of the same size.
-void add_image(const Image& in, const std::string& name, vtkImageData& out);
-
 }  // namespace plenoflame::pipeline

@@ -6,9 +6,7 @@
 #include <vtkMatrix4x4.h>
 #include <vtkObjectFactory.h>
 #include <vtkPointData.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
 
-#include <array>
 #include <vector>
 
 #include "pipeline_run.h"
@@ -43,9 +41,7 @@ vtkMatrix4x4* vtkPlenoflameFlameReader::GetLocalToWorld() {
 int vtkPlenoflameFlameReader::RequestInformation(vtkInformation*, vtkInformationVector**,
                                                  vtkInformationVector* outputs) {
   // The voxels that differ from the background are known when they have been read.
-  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
-  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                        extent.data(), 6);
+  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0));
   return 1;
 }
 

@@ -4,9 +4,6 @@
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
 #include <vtkObjectFactory.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
-
-#include <array>
 
 #include "flame_image.h"
 #include "pipeline_run.h"
@@ -34,9 +31,7 @@ int vtkPlenoflameFlameSource::FillInputPortInformation(int, vtkInformation* info
 int vtkPlenoflameFlameSource::RequestInformation(vtkInformation*, vtkInformationVector**,
                                                  vtkInformationVector* outputs) {
   // The flames' bounds are known when they have been loaded.
-  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
-  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                        extent.data(), 6);
+  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0));
   return 1;
 }
 

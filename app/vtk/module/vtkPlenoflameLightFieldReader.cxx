@@ -4,9 +4,6 @@
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
 #include <vtkObjectFactory.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
-
-#include <array>
 
 #include "light_field_image.h"
 #include "pipeline_run.h"
@@ -30,9 +27,8 @@ int vtkPlenoflameLightFieldReader::RequestInformation(vtkInformation*, vtkInform
                                                       vtkInformationVector* outputs) {
   return plenoflame::pipeline::run_here(*this, [&] {
     const auto field = plenoflame::read_light_field_header(this->FileName ? this->FileName : "");
-    const std::array<int, 6> extent{0, field.window.width - 1, 0, field.window.height - 1, 0, 0};
-    outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                          extent.data(), 6);
+    plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0), field.window.width,
+                                         field.window.height);
   });
 }
 

@@ -4,10 +4,8 @@
 #include <vtkInformation.h>
 #include <vtkInformationVector.h>
 #include <vtkObjectFactory.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
 
 #include <algorithm>
-#include <array>
 
 #include "light_field_image.h"
 #include "pipeline_run.h"
@@ -58,9 +56,7 @@ int vtkPlenoflameLightFieldSource::RequestInformation(vtkInformation*,
     return 0;
   const int width = this->Window[2] > 0 ? this->Window[2] : std::max(1, sensor.columns);
   const int height = this->Window[2] > 0 ? this->Window[3] : std::max(1, sensor.rows);
-  const std::array<int, 6> extent{0, width - 1, 0, height - 1, 0, 0};
-  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                        extent.data(), 6);
+  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0), width, height);
   return 1;
 }
 

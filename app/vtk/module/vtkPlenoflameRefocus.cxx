@@ -33,32 +33,10 @@ void vtkPlenoflameRefocus::PrintSelf(ostream& os, vtkIndent indent) {
      << indent << "Corner: " << this->Corner[0] << " " << this->Corner[1] << "\n";
 }
 
-plenoflame::RefocusSettings vtkPlenoflameRefocus::refocus_settings() const {
-  plenoflame::RefocusSettings settings;
-  settings.depth = this->Depth;
-  settings.width = this->Width;
-  settings.aperture = this->Aperture;
-  settings.channel = this->Channel;
-  return settings;
-}
-
-const plenoflame::MicroImages& vtkPlenoflameRefocus::micro_images(
-    const plenoflame::TakenThrough& optics, const plenoflame::Execution& execution) {
-  return this->Internal->MicroImages.get(optics, true, execution);
-}
-
-void vtkPlenoflameRefocus::set_geometry(const plenoflame::RefocusedImage& picture) {
-  this->PixelSize = picture.pixel;
-  this->Corner[0] = picture.corner.x;
-  this->Corner[1] = picture.corner.y;
-}
-
 int vtkPlenoflameRefocus::RequestInformation(vtkInformation*, vtkInformationVector**,
                                              vtkInformationVector* outputs) {
   // The size of the picture is known when it is made.
-  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
-  outputs->GetInformationObject(0)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                        extent.data(), 6);
+  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0));
   return 1;
 }
 
@@ -81,9 +59,16 @@ int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector** in
         const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
         const plenoflame::TakenThrough optics = plenoflame::taken_through(field);
         plenoflame::check_refocus_depth(plenoflame::Camera(optics.camera), this->Depth);
+        plenoflame::RefocusSettings settings;
+        settings.depth = this->Depth;
+        settings.width = this->Width;
+        settings.aperture = this->Aperture;
+        settings.channel = this->Channel;
         const plenoflame::RefocusedImage picture = plenoflame::refocus(
-            field, this->micro_images(optics, execution), this->refocus_settings(), execution);
-        this->set_geometry(picture);
+            field, this->Internal->MicroImages.get(optics, true, execution), settings, execution);
+        this->PixelSize = picture.pixel;
+        this->Corner[0] = picture.corner.x;
+        this->Corner[1] = picture.corner.y;
         plenoflame::pipeline::image_to_vtk(picture.image, "radiance", *out);
       });
 }

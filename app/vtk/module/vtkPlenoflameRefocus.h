@@ -16,14 +16,6 @@
 
 #ifndef __VTK_WRAP__
 #include <memory>
-
-namespace plenoflame {
-class MicroImages;
-struct TakenThrough;
-struct Execution;
-struct RefocusedImage;
-struct RefocusSettings;
-}  // namespace plenoflame
 #endif
 
 class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
@@ -101,13 +93,6 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
   int NumberOfThreads = 0;
   double PixelSize = 0;
   double Corner[2] = {0, 0};
-
-#ifndef __VTK_WRAP__
-  plenoflame::RefocusSettings refocus_settings() const;
-  const plenoflame::MicroImages& micro_images(const plenoflame::TakenThrough& optics,
-                                              const plenoflame::Execution& execution);
-  void set_geometry(const plenoflame::RefocusedImage& picture);
-#endif
 
  private:
   vtkPlenoflameRefocus(const vtkPlenoflameRefocus&) = delete;

@@ -6,7 +6,6 @@
 #include <mutex>
 #include <utility>
 
-#include "figures_json.h"
 #include "flame_image.h"
 #include "pipeline_run.h"
 #include "plenoflame/base/error.h"
@@ -84,12 +83,6 @@ bool vtkPlenoflameScene::SetValue(const std::string& path, const std::string& te
   });
 }
 
-std::string vtkPlenoflameScene::GetValueAsJson(const std::string& path) {
-  std::string text;
-  run_here(*this, [&] { text = plenoflame::value_json(this->GetScene(), path); });
-  return text;
-}
-
 bool vtkPlenoflameScene::SetFlameImage(const std::string& name, vtkImageData* image,
                                        double ambient_temperature) {
   return run_here(*this, [&] {
@@ -138,15 +131,6 @@ bool vtkPlenoflameScene::Validate() {
     for (const auto& issue : plenoflame::validate(this->Internal->Session.document()))
       report_warning(*this, plenoflame::to_string(issue));
   });
-}
-
-std::string vtkPlenoflameScene::GetDesignAsJson() {
-  std::string text;
-  run_here(*this, [&] {
-    plenoflame::validate(this->Internal->Session.document());
-    text = plenoflame::design_json(this->GetSceneOfCamera());
-  });
-  return text;
 }
 
 int vtkPlenoflameScene::GetNumberOfCameras() {

@@ -65,13 +65,6 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
   ///@}
 
   /**
-   * A value by its path as JSON: a number (quantities in SI), text, true or false, a list of
-   * numbers; {"value": ..., "unit": "m", "text": "100 um"}, the unit empty where there is none.
-   * Empty after an error event.
-   */
-  std::string GetValueAsJson(const std::string& path);
-
-  /**
    * Keep an image (arrays temperature [K] and absorption [1/m], others as emission lines [W/m^3])
    * under a name that stands for a file: flames whose "file" is this name are made of it. False
    * after an error event. A copy of the scene keeps it, a file of the scene does not.
@@ -100,11 +93,6 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameScene : public vtkDataObject {
    * events for what is probably not meant.
    */
   bool Validate();
-
-  /**
-   * What `plenoflame design --json` prints; empty after an error event.
-   */
-  std::string GetDesignAsJson();
 
   ///@{
   /**

@@ -7,7 +7,6 @@
 #include <vtkMultiBlockDataSet.h>
 #include <vtkNew.h>
 #include <vtkObjectFactory.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
 
 #include <array>
 #include <cstdio>
@@ -53,9 +52,7 @@ int vtkPlenoflameViews::FillOutputPortInformation(int port, vtkInformation* info
 int vtkPlenoflameViews::RequestInformation(vtkInformation*, vtkInformationVector**,
                                            vtkInformationVector* outputs) {
   // The size of the views is known when they are made; a first guess keeps VTK content.
-  const std::array<int, 6> extent{0, 0, 0, 0, 0, 0};
-  outputs->GetInformationObject(1)->Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(),
-                                        extent.data(), 6);
+  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(1));
   return 1;
 }
 
