@@ -141,20 +141,24 @@ class Classes(PackageTest):
             one.SetInputConnection(source.GetOutputPort())
         for algorithm, port, changes in ((reader, 0, ()), (source, 0, ()), (part, 0, ()), (file, 0, ()),
                                          (flame, 0, [(flame.SetResolution, 9), (flame.SetResolution, 12)]),
-                                         (views, 1, [(views.SetGrid, 3), (source.SetSamples, 3)]),
-                                         (refocus, 0, [(refocus.SetWidth, 20), (source.SetSamples, 4)])):
+                                         (views, 1, [(views.SetGrid, 3), (source.SetSamples, 4)]),
+                                         (refocus, 0, [(refocus.SetWidth, 20), (source.SetSamples, 8)])):
             half = vtkImageShiftScale()
             half.SetInputConnection(algorithm.GetOutputPort(port))
             half.SetScale(0.5)
+            before = numpy.empty(0)
             for change, value in (*changes, (half.SetScale, 0.25)):
                 change(value)
                 half.Update()
                 whole, seen = algorithm.GetOutputDataObject(port), half.GetOutput()
+                values = vtk_to_numpy(whole.GetPointData().GetScalars()).copy()
+                self.assertEqual(numpy.array_equal(values, before), change == half.SetScale and before.size > 0)
+                before = values
                 self.assertGreater(whole.GetNumberOfPoints(), 20)
                 self.assertEqual(seen.GetDimensions(), whole.GetDimensions())
                 self.assertEqual((seen.GetOrigin(), seen.GetSpacing()), (whole.GetOrigin(), whole.GetSpacing()))
                 numpy.testing.assert_array_equal(vtk_to_numpy(seen.GetPointData().GetScalars()),
-                                                 half.GetScale() * vtk_to_numpy(whole.GetPointData().GetScalars()))
+                                                 half.GetScale() * values)
 
     def test_camera_is_where_the_scene_says(self):
         scene = self.scene(60)
