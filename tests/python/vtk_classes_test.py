@@ -6,6 +6,7 @@ import numpy
 from package import ROOT, PackageTest, main
 from vtkmodules.util.numpy_support import vtk_to_numpy
 from vtkmodules.vtkCommonExecutionModel import vtkAlgorithm
+from vtkmodules.vtkImagingCore import vtkImageShiftScale
 from vtkmodules.vtkIOXML import (vtkXMLImageDataReader, vtkXMLImageDataWriter, vtkXMLMultiBlockDataReader,
                                  vtkXMLMultiBlockDataWriter, vtkXMLPolyDataReader, vtkXMLPolyDataWriter)
 
@@ -117,6 +118,47 @@ class Classes(PackageTest):
                 picture.SetWidth(size)
             picture.Update()
             self.assertGreater(picture.GetOutputDataObject(0).GetNumberOfElements(0), 0)
+
+    def test_filters_of_vtk_get_the_whole_picture(self):
+        """They ask for its size before there is one; and again when something has changed."""
+        scene = self.scene(60)
+        plenoflame.write_flame(self.folder / "a.vdb", scene.flame(16))
+        reader = vtk.vtkPlenoflameFlameReader()
+        reader.SetFileName(str(self.folder / "a.vdb"))
+        flame = vtk.vtkPlenoflameFlameSource()
+        flame.SetInputDataObject(scene.to_vtk())
+        source = vtk.vtkPlenoflameLightFieldSource()
+        source.SetInputDataObject(scene.to_vtk())
+        source.SetSamples(2)
+        part = vtk.vtkPlenoflameLightFieldSource()
+        part.SetInputDataObject(scene.to_vtk())
+        part.SetWindow(10, 12, 40, 30)
+        scene.render(samples=2, window=(7, 9, 30, 20)).save(self.folder / "a.exr")
+        file = vtk.vtkPlenoflameLightFieldReader()
+        file.SetFileName(str(self.folder / "a.exr"))
+        views, refocus = vtk.vtkPlenoflameViews(), vtk.vtkPlenoflameRefocus()
+        for one in (views, refocus):
+            one.SetInputConnection(source.GetOutputPort())
+        for algorithm, port, changes in ((reader, 0, ()), (source, 0, ()), (part, 0, ()), (file, 0, ()),
+                                         (flame, 0, [(flame.SetResolution, 9), (flame.SetResolution, 12)]),
+                                         (views, 1, [(views.SetGrid, 3), (source.SetSamples, 4)]),
+                                         (refocus, 0, [(refocus.SetWidth, 20), (source.SetSamples, 8)])):
+            half = vtkImageShiftScale()
+            half.SetInputConnection(algorithm.GetOutputPort(port))
+            half.SetScale(0.5)
+            before = numpy.empty(0)
+            for change, value in (*changes, (half.SetScale, 0.25)):
+                change(value)
+                half.Update()
+                whole, seen = algorithm.GetOutputDataObject(port), half.GetOutput()
+                values = vtk_to_numpy(whole.GetPointData().GetScalars()).copy()
+                self.assertEqual(numpy.array_equal(values, before), change == half.SetScale and before.size > 0)
+                before = values
+                self.assertGreater(whole.GetNumberOfPoints(), 20)
+                self.assertEqual(seen.GetDimensions(), whole.GetDimensions())
+                self.assertEqual((seen.GetOrigin(), seen.GetSpacing()), (whole.GetOrigin(), whole.GetSpacing()))
+                numpy.testing.assert_array_equal(vtk_to_numpy(seen.GetPointData().GetScalars()),
+                                                 half.GetScale() * values)
 
     def test_camera_is_where_the_scene_says(self):
         scene = self.scene(60)

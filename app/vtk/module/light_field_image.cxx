@@ -5,12 +5,15 @@
 #include <vtkFieldData.h>
 #include <vtkFloatArray.h>
 #include <vtkImageData.h>
+#include <vtkInformation.h>
 #include <vtkIntArray.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkStreamingDemandDrivenPipeline.h>
 #include <vtkStringArray.h>
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include "plenoflame/base/error.h"
@@ -22,6 +25,11 @@ constexpr const char* kPrefix = "plenoflame.";
 
 std::string full_name(const std::string& name) {
   return kPrefix + name;
+}
+
+/// The middle of the lower left pixel; that of the sensor's corner is (0.5, 0.5).
+std::array<double, 3> origin_of(const PixelWindow& window, int sensor_height) {
+  return {window.x + 0.5, sensor_height - window.y - window.height + 0.5, 0};
 }
 
 void add_texts(vtkFieldData& data, const std::string& name, const std::vector<std::string>& texts) {
@@ -110,12 +118,20 @@ void image_to_vtk(const Image& in, const char* name, vtkImageData& out) {
   out.GetPointData()->SetActiveScalars(name);
 }
 
+void announce_light_field(const PixelWindow& window, int sensor_height, vtkInformation& port) {
+  const std::array<int, 6> extent{0, window.width - 1, 0, window.height - 1, 0, 0};
+  const std::array<double, 3> origin = origin_of(window, sensor_height);
+  port.Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data(), 6);
+  port.Set(vtkDataObject::ORIGIN(), origin.data(), 3);
+  vtkDataObject::SetPointDataActiveScalarInfo(&port, VTK_FLOAT, 1);
+}
+
 void light_field_to_image(const LightField& field, vtkImageData& image) {
   const PixelWindow& w = field.window;
   image.Initialize();
   image.SetDimensions(w.width, w.height, 1);
   image.SetSpacing(1, 1, 1);
-  image.SetOrigin(w.x + 0.5, field.sensor_height - w.y - w.height + 0.5, 0);
+  image.SetOrigin(origin_of(w, field.sensor_height).data());
   std::vector<std::string> channels, layers;
   for (const LightFieldChannel& channel : field.channels) {
     channels.push_back(channel.name);

@@ -6,6 +6,7 @@
 #include "plenoflame/image/light_field.h"
 
 class vtkImageData;
+class vtkInformation;
 
 /// Light fields as vtkImageData and back.
 ///
@@ -14,6 +15,10 @@ class vtkImageData;
 /// corner is (0, 0). One float array per channel (flux "NAME", "NAME.error") and layer. Everything
 /// else of the light field is field data, each name with "plenoflame." in front.
 namespace plenoflame::pipeline {
+
+/// Says in RequestInformation that the light field of a part of the sensor comes, which filters of
+/// pictures ask for.
+void announce_light_field(const PixelWindow& window, int sensor_height, vtkInformation& port);
 
 /// Fills `image`. @throws nothing but std::bad_alloc
 void light_field_to_image(const LightField& field, vtkImageData& image);

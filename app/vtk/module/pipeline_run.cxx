@@ -1,12 +1,8 @@
 #include "pipeline_run.h"
 
 #include <vtkAlgorithm.h>
-#include <vtkDataObject.h>
-#include <vtkInformation.h>
 #include <vtkSetGet.h>
-#include <vtkStreamingDemandDrivenPipeline.h>
 
-#include <array>
 #include <exception>
 #include <vector>
 
@@ -14,12 +10,6 @@
 #include "watched_run.h"
 
 namespace plenoflame::pipeline {
-
-void announce_image(vtkInformation& port, int width, int height) {
-  const std::array<int, 6> extent{0, width - 1, 0, height - 1, 0, 0};
-  port.Set(vtkStreamingDemandDrivenPipeline::WHOLE_EXTENT(), extent.data(), 6);
-  vtkDataObject::SetPointDataActiveScalarInfo(&port, VTK_FLOAT, 1);
-}
 
 void report_error(vtkObject& object, const std::string& message) {
   vtkErrorWithObjectMacro(&object, << message);

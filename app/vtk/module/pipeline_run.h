@@ -5,7 +5,6 @@
 #include "plenoflame/base/execution.h"
 
 class vtkAlgorithm;
-class vtkInformation;
 class vtkObject;
 
 /// Shared by all algorithms of the module: running core's functions under VTK's rules.
@@ -22,10 +21,6 @@ bool run(vtkAlgorithm& algorithm, int threads, const std::function<void(const Ex
 
 /// The same on the calling thread, for what takes no time.
 bool run_here(vtkObject& object, const std::function<void()>& task);
-
-/// Says in RequestInformation that an image of one float a point comes, which filters of pictures
-/// ask for. Its size is 1 where it is known only when it is made.
-void announce_image(vtkInformation& port, int width = 1, int height = 1);
 
 /// Invokes an error event; without observer VTK prints it.
 void report_error(vtkObject& object, const std::string& message);

@@ -9,15 +9,20 @@
 
 #include <vector>
 
+#include "made_image.h"
 #include "pipeline_run.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_file.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "voxel_image.h"
 
+struct vtkPlenoflameFlameReader::Internals {
+  plenoflame::pipeline::MadeImage Flame;
+};
+
 vtkStandardNewMacro(vtkPlenoflameFlameReader);
 
-vtkPlenoflameFlameReader::vtkPlenoflameFlameReader() {
+vtkPlenoflameFlameReader::vtkPlenoflameFlameReader() : Internal(std::make_unique<Internals>()) {
   this->SetNumberOfInputPorts(0);
 }
 
@@ -40,15 +45,18 @@ vtkMatrix4x4* vtkPlenoflameFlameReader::GetLocalToWorld() {
 
 int vtkPlenoflameFlameReader::RequestInformation(vtkInformation*, vtkInformationVector**,
                                                  vtkInformationVector* outputs) {
-  // The voxels that differ from the background are known when they have been read.
-  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0));
-  return 1;
+  return this->Internal->Flame.announce(*this, *outputs->GetInformationObject(0),
+                                        [this](vtkImageData& image) { return this->Make(image); });
 }
 
 int vtkPlenoflameFlameReader::RequestData(vtkInformation*, vtkInformationVector**,
                                           vtkInformationVector* outputs) {
+  this->Internal->Flame.give(*outputs);
+  return 1;
+}
+
+bool vtkPlenoflameFlameReader::Make(vtkImageData& image) {
   using namespace plenoflame;
-  vtkImageData* const image = vtkImageData::GetData(outputs);
   return plenoflame::pipeline::run(*this, 0, [&](const Execution& execution) {
     const std::string path = this->FileName ? this->FileName : "";
     std::vector<VoxelField> fields;
@@ -65,19 +73,18 @@ int vtkPlenoflameFlameReader::RequestData(vtkInformation*, vtkInformationVector*
     for (const VoxelField& field : fields)
       if (same(field)) box.add(stored_box(field));
     if (box.empty()) throw InputError("'" + path + "': every voxel has the background's value");
-    image->Initialize();
-    pipeline::place_image(transform, box, this->LocalFrame, *image);
+    pipeline::place_image(transform, box, this->LocalFrame, image);
     pipeline::local_to_world(transform, box, *this->LocalToWorld);
     for (const VoxelField& field : fields) {
       if (same(field)) {
-        pipeline::add_array(voxel_values(field, box), *image);
+        pipeline::add_array(voxel_values(field, box), image);
       } else {
         execution.warn("'" + path + "': " + field.name +
                        " has a lattice of its own and was "
                        "interpolated; read it alone with SetGridName() to keep it");
-        pipeline::add_array(interpolated_values(field, transform, box), *image);
+        pipeline::add_array(interpolated_values(field, transform, box), image);
       }
     }
-    image->GetPointData()->SetActiveScalars(fields.front().name.c_str());
+    image.GetPointData()->SetActiveScalars(fields.front().name.c_str());
   });
 }

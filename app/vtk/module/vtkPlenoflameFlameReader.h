@@ -24,6 +24,10 @@
 
 class vtkMatrix4x4;
 
+#ifndef __VTK_WRAP__
+#include <memory>
+#endif
+
 class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameReader : public vtkImageAlgorithm {
  public:
   static vtkPlenoflameFlameReader* New();
@@ -79,6 +83,10 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameReader : public vtkImageAlgorithm {
  private:
   vtkPlenoflameFlameReader(const vtkPlenoflameFlameReader&) = delete;
   void operator=(const vtkPlenoflameFlameReader&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+  bool Make(vtkImageData& image);
 };
 
 #endif

@@ -12,6 +12,10 @@
 #include "vtkImageAlgorithm.h"
 #include "vtkPlenoflameModule.h"  // for export macro
 
+#ifndef __VTK_WRAP__
+#include <memory>
+#endif
+
 class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameSource : public vtkImageAlgorithm {
  public:
   static vtkPlenoflameFlameSource* New();
@@ -28,7 +32,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameSource : public vtkImageAlgorithm {
 
  protected:
   vtkPlenoflameFlameSource();
-  ~vtkPlenoflameFlameSource() override = default;
+  ~vtkPlenoflameFlameSource() override;
 
   int FillInputPortInformation(int port, vtkInformation* information) override;
   int RequestInformation(vtkInformation* request, vtkInformationVector** inputs,
@@ -43,6 +47,10 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameFlameSource : public vtkImageAlgorithm {
  private:
   vtkPlenoflameFlameSource(const vtkPlenoflameFlameSource&) = delete;
   void operator=(const vtkPlenoflameFlameSource&) = delete;
+
+  struct Internals;
+  std::unique_ptr<Internals> Internal;
+  bool Make(vtkImageData& image);
 };
 
 #endif

@@ -27,8 +27,8 @@ int vtkPlenoflameLightFieldReader::RequestInformation(vtkInformation*, vtkInform
                                                       vtkInformationVector* outputs) {
   return plenoflame::pipeline::run_here(*this, [&] {
     const auto field = plenoflame::read_light_field_header(this->FileName ? this->FileName : "");
-    plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0), field.window.width,
-                                         field.window.height);
+    plenoflame::pipeline::announce_light_field(field.window, field.sensor_height,
+                                               *outputs->GetInformationObject(0));
   });
 }
 

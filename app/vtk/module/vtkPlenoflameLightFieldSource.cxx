@@ -54,9 +54,11 @@ int vtkPlenoflameLightFieldSource::RequestInformation(vtkInformation*,
   if (!plenoflame::pipeline::run_here(*this,
                                       [&] { sensor = scene->GetSceneOfCamera().camera.sensor; }))
     return 0;
-  const int width = this->Window[2] > 0 ? this->Window[2] : std::max(1, sensor.columns);
-  const int height = this->Window[2] > 0 ? this->Window[3] : std::max(1, sensor.rows);
-  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0), width, height);
+  plenoflame::PixelWindow window{0, 0, std::max(1, sensor.columns), std::max(1, sensor.rows)};
+  const int rows = window.height;
+  if (this->Window[2] > 0)
+    window = {this->Window[0], this->Window[1], this->Window[2], this->Window[3]};
+  plenoflame::pipeline::announce_light_field(window, rows, *outputs->GetInformationObject(0));
   return 1;
 }
 

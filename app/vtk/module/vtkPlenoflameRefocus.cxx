@@ -10,11 +10,13 @@
 
 #include "light_field_camera.h"
 #include "light_field_image.h"
+#include "made_image.h"
 #include "pipeline_run.h"
 #include "plenoflame/lightfield/refocus.h"
 
 struct vtkPlenoflameRefocus::Internals {
   plenoflame::pipeline::MicroImageCache MicroImages;
+  plenoflame::pipeline::MadeImage Picture;
 };
 
 vtkStandardNewMacro(vtkPlenoflameRefocus);
@@ -35,9 +37,9 @@ void vtkPlenoflameRefocus::PrintSelf(ostream& os, vtkIndent indent) {
 
 int vtkPlenoflameRefocus::RequestInformation(vtkInformation*, vtkInformationVector**,
                                              vtkInformationVector* outputs) {
-  // The size of the picture is known when it is made.
-  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(0));
-  return 1;
+  return this->Internal->Picture.announce(
+      *this, *outputs->GetInformationObject(0),
+      [this](vtkImageData& picture) { return this->Make(picture); });
 }
 
 int vtkPlenoflameRefocus::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputs,
@@ -50,10 +52,14 @@ int vtkPlenoflameRefocus::RequestUpdateExtent(vtkInformation*, vtkInformationVec
   return 1;
 }
 
-int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector** inputs,
+int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector**,
                                       vtkInformationVector* outputs) {
-  vtkImageData* const in = vtkImageData::GetData(inputs[0]);
-  vtkImageData* const out = vtkImageData::GetData(outputs);
+  this->Internal->Picture.give(*outputs);
+  return 1;
+}
+
+bool vtkPlenoflameRefocus::Make(vtkImageData& out) {
+  vtkImageData* const in = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
   return plenoflame::pipeline::run(
       *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
         const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
@@ -69,6 +75,6 @@ int vtkPlenoflameRefocus::RequestData(vtkInformation*, vtkInformationVector** in
         this->PixelSize = picture.pixel;
         this->Corner[0] = picture.corner.x;
         this->Corner[1] = picture.corner.y;
-        plenoflame::pipeline::image_to_vtk(picture.image, "radiance", *out);
+        plenoflame::pipeline::image_to_vtk(picture.image, "radiance", out);
       });
 }

@@ -100,6 +100,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameRefocus : public vtkImageAlgorithm {
 
   struct Internals;
   std::unique_ptr<Internals> Internal;
+  bool Make(vtkImageData& picture);
 };
 
 #endif

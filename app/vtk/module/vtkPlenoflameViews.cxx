@@ -13,11 +13,14 @@
 
 #include "light_field_camera.h"
 #include "light_field_image.h"
+#include "made_image.h"
 #include "pipeline_run.h"
 #include "plenoflame/lightfield/views.h"
 
 struct vtkPlenoflameViews::Internals {
   plenoflame::pipeline::MicroImageCache MicroImages;
+  vtkNew<vtkMultiBlockDataSet> Views;
+  plenoflame::pipeline::MadeImage Sheet;
 };
 
 vtkStandardNewMacro(vtkPlenoflameViews);
@@ -51,21 +54,26 @@ int vtkPlenoflameViews::FillOutputPortInformation(int port, vtkInformation* info
 
 int vtkPlenoflameViews::RequestInformation(vtkInformation*, vtkInformationVector**,
                                            vtkInformationVector* outputs) {
-  // The size of the views is known when they are made; a first guess keeps VTK content.
-  plenoflame::pipeline::announce_image(*outputs->GetInformationObject(1));
-  return 1;
+  return this->Internal->Sheet.announce(*this, *outputs->GetInformationObject(1),
+                                        [this](vtkImageData& sheet) { return this->Make(sheet); });
 }
 
 vtkImageData* vtkPlenoflameViews::GetContactSheet() {
   return vtkImageData::SafeDownCast(this->GetOutputDataObject(1));
 }
 
-int vtkPlenoflameViews::RequestData(vtkInformation*, vtkInformationVector** inputs,
+int vtkPlenoflameViews::RequestData(vtkInformation*, vtkInformationVector**,
                                     vtkInformationVector* outputs) {
+  vtkMultiBlockDataSet::GetData(outputs, 0)->ShallowCopy(this->Internal->Views);
+  this->Internal->Sheet.give(*outputs, 1);
+  return 1;
+}
+
+bool vtkPlenoflameViews::Make(vtkImageData& sheet) {
   using plenoflame::ViewResampling;
-  vtkImageData* const in = vtkImageData::GetData(inputs[0]);
-  auto* const out = vtkMultiBlockDataSet::GetData(outputs, 0);
-  vtkImageData* const sheet = vtkImageData::GetData(outputs, 1);
+  vtkImageData* const in = vtkImageData::SafeDownCast(this->GetInputDataObject(0, 0));
+  vtkMultiBlockDataSet* const out = this->Internal->Views;
+  out->Initialize();
   return plenoflame::pipeline::run(
       *this, this->NumberOfThreads, [&](const plenoflame::Execution& execution) {
         const plenoflame::LightField field = plenoflame::pipeline::image_to_light_field(*in);
@@ -91,6 +99,6 @@ int vtkPlenoflameViews::RequestData(vtkInformation*, vtkInformationVector** inpu
           out->SetBlock(block, image);
           out->GetMetaData(block++)->Set(vtkCompositeDataSet::NAME(), label.data());
         }
-        plenoflame::pipeline::image_to_vtk(plenoflame::contact_sheet(views), name, *sheet);
+        plenoflame::pipeline::image_to_vtk(plenoflame::contact_sheet(views), name, sheet);
       });
 }

@@ -107,6 +107,7 @@ class VTKPLENOFLAME_EXPORT vtkPlenoflameViews : public vtkMultiBlockDataSetAlgor
 
   struct Internals;
   std::unique_ptr<Internals> Internal;
+  bool Make(vtkImageData& sheet);
 };
 
 #endif
