@@ -146,11 +146,14 @@ class DrawingTest : public test::SceneFixture {
       }
     QVERIFY2(bottom - top > 0.6 * whole.height(), qPrintable(QString::number(bottom - top)));
     auto* const exposure = child<QDoubleSpinBox>("flameExposure");
+    QTest::mouseClick(child<QToolButton>("moreOfScene"), Qt::LeftButton);
     QVERIFY(exposure->isVisible());
     exposure->selectAll();
     QTest::keyClicks(exposure, "-3");
     QTest::keyClick(exposure, Qt::Key_Return);
     QCOMPARE(session().document().look().exposure, -3.0);
+    QTest::keyClick(exposure->window(), Qt::Key_Escape);
+    QVERIFY(!exposure->isVisible());
     QVERIFY(mean(view().picture()) < 0.7 * mean(whole));
     press(Qt::Key_Z, Qt::ControlModifier);
     QCOMPARE(exposure->value(), 0.0);
