@@ -141,7 +141,8 @@ class ReconstructTest : public test::WindowFixture {
     choose("reconstructUnknowns", "Rings x heights (a round flame)");
     fill("reconstructRays", "16");
     QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
-    QVERIFY(QTest::qWaitFor([&] { return job().state() != ReconstructJob::State::running; }, 900000));
+    QVERIFY(
+        QTest::qWaitFor([&] { return job().state() != ReconstructJob::State::running; }, 900000));
     QCOMPARE(job().text(), QString("finished"));
     window_->save_screenshot(folder + "/reconstruct.png");
     end();
