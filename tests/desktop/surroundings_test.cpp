@@ -261,7 +261,8 @@ class SurroundingsTest : public test::SceneFixture {
     auto* const screen = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
     const auto ink = [screen] {
       const QImage all = screen->grabFramebuffer();
-      const QImage shown = all.copy(4 * all.width() / 5, 0, all.width() / 5, all.height());
+      const int top = all.height() / 6;  // below the cube
+      const QImage shown = all.copy(4 * all.width() / 5, top, all.width() / 5, all.height() - top);
       int bar = shown.width();
       std::array<int, 2> counts{};  // of pixels left of the bar, and over it or right of it
       for (int x = 0; x < shown.width(); ++x)
