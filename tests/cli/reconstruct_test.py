@@ -215,6 +215,12 @@ class Reconstruct(CommandTest):
         self.fails(2, "reconstruct", *self.RINGS, "--start", "again.vdb", "--resume", "again.vdb", "-o", "x.vdb",
                    mentions="not both")
 
+    def test_noise_explains_a_grid_that_is_finer_than_the_pixels(self):
+        """The weights of rows follow a guess of the light; one that explains too little made chi^2 10 here."""
+        found, _ = self.reconstruct("front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "40,80",
+                                    "--absorption", "scene", "--rays", "16", "--draws", "0", "--probes", "0", "-o", "fine.vdb")
+        self.assertLess(abs(found["chi_squared"] - 1), 0.15)
+
     def test_operator(self):
         made = self.json_of("operator", "front.toml", "--unknowns", "rings", "--grid", "40,64", "--absorption", "scene",
                             "--pixels", "rows.csv", "--places", "places.csv", "--quiet", "-o", "A.npz")

@@ -187,6 +187,7 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
                                        const std::vector<double>& guess,
                                        const ReconstructionInput& input, Watch& watch,
                                        Reconstruction& result) {
+  result.strength = -1;  // where a stop comes before one is chosen
   // Flames more than twice as bright as this one are no prior. Cross-validation prefers them if the
   // flame seems to explain errors of the model that neighbouring pixels share.
   constexpr double kMostTimesBrighter = 2;
@@ -199,12 +200,11 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
   SolverOptions options;
   options.iterations = range.iterations;
-  const StrengthChoice choice =
-      problem.choose(b, input.start, range, watch.watched(options, problem, kChosen, kTrials, true),
-                     watch.inner());
+  const StrengthChoice choice = problem.choose(
+      b, range, watch.watched(options, problem, kChosen, kTrials, true), watch.inner());
   watch.reached(kChosen);
   const auto rows = static_cast<double>(result.rows - result.left_out);
-  result.strength = choice.strength;
+  if (!watch.stopped()) result.strength = choice.strength;
   // As bright as the flame is where the search has to end.
   const bool as_bright = choice.strength <= range.lowest && range.lowest > kLinearRange.lowest;
   result.strength_at_end = choice.at_end && !as_bright;
@@ -506,6 +506,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       result.strength = settings.strength;
     else
       reached = start = choose_strength_of(*weighted, b, guess, input, watch, result);
+    if (result.strength < 0) throw Cancelled();
     // Projected gradients are slow with a strong penalty, and make little progress from 0.
     if (settings.solver == ReconstructionSolver::fista && start.empty())
       start = weighted->without_bounds(b, result.strength, watch.inner());

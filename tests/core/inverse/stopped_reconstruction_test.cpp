@@ -169,6 +169,24 @@ TEST(StoppedReconstruction, InTheErrorOfTheAbsorptionKeepsTheSolution) {
   }
 }
 
+// The strength of a trial is none to go on with.
+TEST(StoppedReconstruction, InTheSearchForTheStrengthNamesNone) {
+  Glow glow;
+  glow.settings.strength = -1;
+  StoppingUnknowns unknowns(*glow.rings);
+  int states = 0;
+  glow.settings.watch = [&](const ReconstructionState&) {
+    if (++states == 3) unknowns.stop.request_stop();
+  };
+  const Reconstruction stopped = glow.found(unknowns, 2);
+  EXPECT_FALSE(stopped.complete);
+  EXPECT_EQ(stopped.strength, -1);
+  EXPECT_EQ(stopped.values.size(), glow.rings->size());
+  glow.settings.watch = nullptr;
+  StoppingUnknowns whole(*glow.rings);
+  EXPECT_GE(glow.found(whole, 2).strength, 0);
+}
+
 // Both products look at the stop every few rows: parts of them that threads share are longer.
 TEST(StoppedReconstruction, ProductsEndInTheMiddle) {
   const Glow glow;

@@ -184,11 +184,10 @@ std::vector<double> ScaledProblem::without_bounds(std::span<const double> b, dou
   return samples(solution.x);
 }
 
-StrengthChoice ScaledProblem::choose(std::span<const double> b, const std::vector<double>& start,
-                                     const StrengthRange& range, const SolverOptions& options,
+StrengthChoice ScaledProblem::choose(std::span<const double> b, const StrengthRange& range,
+                                     const SolverOptions& options,
                                      const Execution& execution) const {
   SolverOptions own = options;
-  if (!start.empty()) own.start = scaled(start);
   own.gradient = kGradient * noise_gradient_;
   own.relative_change = 0;
   StrengthChoice choice =

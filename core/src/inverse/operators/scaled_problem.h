@@ -57,9 +57,8 @@ class ScaledProblem {
   std::vector<double> without_bounds(std::span<const double> b, double strength,
                                      const Execution& execution) const;
   /// By cross-validation. Values of the solution are not negative.
-  StrengthChoice choose(std::span<const double> b, const std::vector<double>& start,
-                        const StrengthRange& range, const SolverOptions& options,
-                        const Execution& execution) const;
+  StrengthChoice choose(std::span<const double> b, const StrengthRange& range,
+                        const SolverOptions& options, const Execution& execution) const;
 
   /// The quadratic problem and its penalty in u, for uncertainties.
   LinearProblem problem(std::span<const double> b) const { return {&scaled_a_, b, weights_}; }
