@@ -20,6 +20,7 @@ enum class Sought {
 struct EarlierResult {
   std::vector<double> emission, temperature, absorption;  ///< empty: the file has no such grid
   double strength = -1;                                   ///< of its penalty; negative: not stated
+  std::string shape;                                      ///< shape_text(); empty: not stated
 };
 
 /// A call for a reconstruction, as texts of the options of `plenoflame reconstruct`; all

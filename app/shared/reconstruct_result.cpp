@@ -64,6 +64,10 @@ VoxelField on_voxels(const ReconstructedField& field, const Unknowns& unknowns) 
   return voxels;
 }
 
+std::string shape_text(const Unknowns& unknowns) {
+  return fmt::format("{}", fmt::join(unknowns.shape(), " x "));
+}
+
 void write_estimate(const std::string& path, const ReconstructResult& result,
                     const Unknowns& unknowns) {
   const std::vector<ReconstructedField> found = reconstructed_fields(result);
@@ -79,9 +83,10 @@ void write_estimate(const std::string& path, const ReconstructResult& result,
                       "out of range",
                       path, found[i].name));
     grids.push_back({&fields[i], found[i].unit});
-    // --resume continues with this strength.
+    // --resume continues with this strength, on this grid.
     if (found[i].name == "emission")
-      grids.back().metadata = {{"strength", fmt::format("{:.17g}", result.figures.strength)}};
+      grids.back().metadata = {{"strength", fmt::format("{:.17g}", result.figures.strength)},
+                               {"unknowns", shape_text(unknowns)}};
   }
   GridWriteOptions options;
   options.metadata = {{"creator", "plenoflame reconstruct"}};

@@ -41,6 +41,9 @@ std::vector<ReconstructedField> reconstructed_fields(const ReconstructResult& re
 /// least as high: the unknowns' interpolation ends at 0.
 VoxelField on_voxels(const ReconstructedField& field, const Unknowns& unknowns);
 
+/// Numbers of unknowns along the axes: "16 x 32 x 1".
+std::string shape_text(const Unknowns& unknowns);
+
 /// Everything that was found, as grids of one file, under a temporary name that is renamed.
 /// @throws FileError
 void write_estimate(const std::string& path, const ReconstructResult& result,

@@ -225,6 +225,8 @@ EarlierResult read_earlier_result(const std::string& path, const Unknowns& unkno
                                                            : nullptr;
     if (!to) continue;
     *to = sample_grid(path, grid.name, places);
+    if (const auto shape = grid.metadata.find("unknowns"); shape != grid.metadata.end())
+      result.shape = shape->second;
     const auto strength = grid.metadata.find("strength");
     if (strength == grid.metadata.end()) continue;
     std::istringstream number(strength->second);
@@ -360,6 +362,12 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   const std::string& path = resumes ? request_.resume : request_.start;
   if (!request_.start_values && path.empty()) return;
   const EarlierResult start = earlier(resumes ? nullptr : request_.start_values, path);
+  if (const std::string shape = shape_text(*unknowns_);
+      resumes && !start.shape.empty() && start.shape != shape)
+    throw InputError(
+        fmt::format("{} has {} unknowns, not {}: --resume continues the same command, and "
+                    "--start begins another one from a file",
+                    path, start.shape, shape));
   if (resumes && request_.strength < 0) settings_.strength = start.strength;
   if (request_.sought() == Sought::emission) {
     start_ = samples_of(start.emission, absorption_);

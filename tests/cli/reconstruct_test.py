@@ -214,12 +214,17 @@ class Reconstruct(CommandTest):
         self.fails(1, "reconstruct", *self.RINGS, "--start", "candle.vdb", "-o", "x.vdb", mentions="no grid 'emission'")
         self.fails(2, "reconstruct", *self.RINGS, "--start", "again.vdb", "--resume", "again.vdb", "-o", "x.vdb",
                    mentions="not both")
+        self.fails(1, "reconstruct", *self.RINGS[:5], "--grid", "6,10", *self.RINGS[7:], "--resume", "again.vdb", "-o", "x.vdb",
+                   mentions="8 x 16 x 1 unknowns, not 6 x 10 x 1")
+        refused = self.run_command("reconstruct", "front.toml", "--images", "front-electrons.exr", "side-electrons.exr", "-o", "x.vdb")
+        self.assertIn("does not belong to the scene", refused.stderr)
+        self.assertEqual(refused.stdout, "")
 
     def test_noise_explains_a_grid_that_is_finer_than_the_pixels(self):
         """The weights of rows follow a guess of the light; one that explains too little made chi^2 10 here."""
         found, _ = self.reconstruct("front.toml", "--images", "front-electrons.exr", "--unknowns", "rings", "--grid", "40,80",
                                     "--absorption", "scene", "--rays", "16", "--draws", "0", "--probes", "0", "-o", "fine.vdb")
-        self.assertLess(abs(found["chi_squared"] - 1), 0.15)
+        self.assertLess(abs(found["chi_squared"] - 1), 0.3)
 
     def test_operator(self):
         made = self.json_of("operator", "front.toml", "--unknowns", "rings", "--grid", "40,64", "--absorption", "scene",

@@ -214,9 +214,9 @@ const Unit* find_unit(std::string_view name, Dimension dimension) {
 }
 
 [[noreturn]] void fail(std::string_view text, Dimension dimension, const std::string& why) {
-  std::string message =
-      quoted(text) + " is not a " + std::string(dimension_name(dimension)) + ": " + why;
-  throw InputError(message);
+  const std::string name(dimension_name(dimension));
+  const bool vowel = std::string_view("aeiou").find(name.front()) != std::string_view::npos;
+  throw InputError(quoted(text) + (vowel ? " is not an " : " is not a ") + name + ": " + why);
 }
 
 /// A decimal comma, "2,534 mm". @param rest from the comma on

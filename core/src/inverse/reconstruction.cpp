@@ -41,6 +41,7 @@ constexpr double kDrawingShare = 0.05, kChosen = 0.4, kSolved = 0.45, kUntested 
 constexpr int kTrials = 12;
 /// Strength of a first guess: enough that what no pixel tells does not run away.
 constexpr double kGuessStrength = 1e-5;
+constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
 /// Time of the whole over that of the first guess, within a factor of 2. The second value is the
@@ -477,14 +478,18 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     ReconstructionSettings plain = settings;
     plain.solver = ReconstructionSolver::fista;
     const ScaledProblem first(stored, *a, weight, scale, *input.unknowns, plain);
-    // From 0, 40 projected gradients explain too little light of fine grids, and its noise is then
-    // stated too small.
-    const std::vector<double> unbounded = first.without_bounds(b, kGuessStrength, watch.inner());
     const auto begun = std::chrono::steady_clock::now();
     SolverOptions options;
     options.iterations = 40;
     options.relative_change = 1e-3;
-    guess = first.samples(first.solve(b, kGuessStrength, unbounded, options, watch.inner()).x);
+    // Fine grids need some hundred iterations to explain the light.
+    double misfit = std::numeric_limits<double>::infinity();
+    for (int turn = 0; turn < kMostTurnsOfGuess; ++turn) {
+      const Solution better = first.solve(b, kGuessStrength, guess, options, watch.inner());
+      guess = first.samples(better.x);
+      if (better.history.empty() || better.history.back().misfit > 0.9 * misfit) break;
+      misfit = better.history.back().misfit;
+    }
     if (reached.empty()) reached = guess;
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
     if (settings.draws > 0 && kTimesGuess * took.count() > kLongRun)

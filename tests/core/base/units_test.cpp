@@ -64,6 +64,7 @@ TEST(ParseQuantity, IsTheNearestDoubleOfTheDecimalInSi) {
 TEST(ParseQuantity, SaysWhatIsWrong) {
   EXPECT_EQ(message_of("0.1", Dimension::length),
             "\"0.1\" is not a length: its unit is missing (one of m, mm, um, nm, cm, km)");
+  EXPECT_EQ(message_of("8", Dimension::absorption).find("\"8\" is not an absorption"), 0U);
   EXPECT_EQ(message_of("0.1 K", Dimension::length),
             "\"0.1 K\" is not a length: the unit \"K\" is not one of m, mm, um, nm, cm, km");
   EXPECT_EQ(message_of("nan mm", Dimension::length),

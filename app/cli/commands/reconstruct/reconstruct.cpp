@@ -86,6 +86,8 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
   bar.connect(execution);
   execution.stop = stop;
   const ReconstructCameras cameras = compile_cameras(arguments, views, execution);
+  // A picture that does not belong here is refused before the work on others begins.
+  for (std::size_t f = frames; f-- > 1;) read_frame(arguments, cameras, f, execution);
   FramePictures pictures = read_frame(arguments, cameras, 0, execution);
   Reconstructor reconstructor(arguments, cameras, pictures.measurements, execution);
   std::optional<SharedAssembly> assembly;
