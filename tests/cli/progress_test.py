@@ -128,7 +128,7 @@ class ProgressOnATerminal(CommandTest):
 
     def test_of_the_forward_estimator(self):
         self.assert_honest(self.watch("render", "a.toml", "-o", "a.exr", "--estimator", "forward", "--samples",
-                                      "5000000", "--threads", "1"))
+                                      "15000000", "--threads", "1"))
 
     def test_of_a_picture_with_ground_truth(self):
         shown = self.watch("render", "a.toml", "-o", "a.exr", "--samples", "32", "--truth", "--window",
