@@ -139,7 +139,7 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY(settled());
     QVERIFY(click_menu({"Render", "Reconstruct the flame..."}));
     choose("reconstructUnknowns", "Rings x heights (a round flame)");
-    fill("reconstructRays", "16");
+    fill("reconstructRays", "64");
     QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
     QVERIFY(
         QTest::qWaitFor([&] { return job().state() != ReconstructJob::State::running; }, 900000));
