@@ -275,7 +275,7 @@ class SelectionTest : public test::SceneFixture {
     QCOMPARE(colours.size(), ends.size());
   }
 
-  // Where the first ray of a pixel is stopped, the first one that arrives is shown.
+  // The first ray that arrives is shown. Rays before it may be stopped.
   void firstChosenRayArrives() {
     open_small();
     const auto arrives = [this](int ray) {
