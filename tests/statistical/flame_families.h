@@ -162,6 +162,7 @@ struct FamilyTrial {
   /// much.
   SuspectKind wrong = SuspectKind::exposure;
   double by = 0;
+  int coarser = 1;  ///< the rings by so much
 };
 
 /// Errors of what is lit, above 5 % of the brightest.
@@ -277,7 +278,8 @@ struct FamilyProblem {
 };
 
 inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
-  constexpr int kRings = 14, kHeights = 22, kAcross = 14, kUp = 16, kFiner = 4;
+  const int rings = 14 / trial.coarser, heights = 22 / trial.coarser, finer = 4 * trial.coarser;
+  constexpr int kAcross = 14, kUp = 16;
   const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
   source = SourceFunction::band(channel.wavelength, channel.width);
   // [W/(m^3 sr)] of the light that is 1 in the flame's units.
@@ -287,11 +289,11 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
   double across = 0, up = 0;
   if (trial.rings) {
     RingGrid grid;
-    across = grid.radial_step = kFlameRadius / kRings;
-    up = grid.height_step = 2 * kFlameHalfHeight / (kHeights - 1);
+    across = grid.radial_step = kFlameRadius / rings;
+    up = grid.height_step = 2 * kFlameHalfHeight / (heights - 1);
     grid.base = {1, 0, -kFlameHalfHeight};
-    grid.rings = kRings;
-    grid.heights = kHeights;
+    grid.rings = rings;
+    grid.heights = heights;
     unknowns = make_ring_unknowns(grid);
   } else {
     RegularLattice lattice;
@@ -304,7 +306,7 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
                                           -kFlameHalfHeight + 0.5 * up};
     unknowns = make_voxel_unknowns(lattice);
   }
-  scenes = family_scenes(trial, channel, fine_grid(trial, flame, across / kFiner, up / kFiner));
+  scenes = family_scenes(trial, channel, fine_grid(trial, flame, across / finer, up / finer));
   input.unknowns = unknowns.get();
   if (trial.absorption > 0) input.absorption.assign(unknowns->size(), trial.absorption);
   for (std::size_t v = 0; v < scenes.size(); ++v) {
@@ -330,7 +332,7 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
 
 inline ReconstructionSettings family_settings(const FamilyTrial& trial,
                                               ReconstructionSettings settings = {}) {
-  settings.rays.samples = 64;
+  settings.rays.samples = 64 * trial.coarser * trial.coarser;
   settings.rays.seed = 500 + trial.seed;
   return settings;
 }

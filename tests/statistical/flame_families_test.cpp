@@ -97,6 +97,18 @@ TEST(FlameFamilies, DeviationsAreTheErrorsOfSome) {
   }
 }
 
+// Errors between the places of 7 x 11 rings, where rays are so many that theirs are small.
+TEST(FlameFamilies, DeviationsHoldWhatACoarseGridCannotTell) {
+  Totals emission;
+  for (const Family family : {Family::candle, Family::blobs}) {
+    FamilyTrial trial{family, true, 1, 20000, 4, 0};
+    trial.coarser = 2;
+    emission.add(reconstruct_family(trial).emission);
+    print(name_of(family) + " in coarse rings", emission.mean());
+  }
+  expect_true(emission);
+}
+
 // One camera cannot tell depths: most of the light of a voxel is unknown, and the deviation says
 // so.
 TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {

@@ -260,8 +260,11 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   }
   draw_posterior(linear, prior, {settings.draws, 1}, add, watch.rest(1), accuracy);
   const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
-  for (const double square : squares)
-    result.deviation.push_back(factor * std::sqrt(square / settings.draws));
+  result.deviation = errors_of_chords(*input.unknowns, result.at_places, input.absorption);
+  for (std::size_t j = 0; j < squares.size(); ++j) {
+    const double drawn = factor * std::sqrt(squares[j] / settings.draws);
+    result.deviation[j] = result.solved[j] ? std::hypot(result.deviation[j], drawn) : 0;
+  }
 }
 
 /// The flame's part of a change of the pictures [W], at places.

@@ -442,17 +442,26 @@ class ThermalSolver {
         figures.complete = false;  // the deviations of the linearised problem are there
       }
     }
+    std::vector<double> light(n, 0.0);
+    for (std::size_t j = 0; j < n; ++j)
+      if (estimate.absorption[j] > 0) light[j] = source(estimate.temperature[j]);
+    // Temperature and absorption may each account for all of the light between the places.
+    const std::vector<double> between =
+        errors_of_chords(*input_.unknowns, light, estimate.absorption);
     for (std::size_t j = 0; j < n; ++j) {
-      const double t = estimate.temperature[j], own = wider * std::sqrt(temperature[j]);
+      const double t = estimate.temperature[j], kappa = estimate.absorption[j];
+      const double relative = light[j] > 0 ? between[j] / light[j] : 0;
       // If the absorption is larger, the temperatures are lower, and the emission is the product.
       const double brighter = shift[j] * source_slope(source, t) / std::max(source(t), 1e-300) -
                               figures.absorption_error;
-      estimate.temperature_deviation.push_back(std::hypot(own, shift[j]));
-      estimate.emission_deviation.push_back(estimate.emission[j] *
-                                            std::hypot(wider * std::sqrt(emission[j]), brighter));
+      estimate.temperature_deviation.push_back(
+          std::hypot(wider * std::sqrt(temperature[j]), shift[j],
+                     temperature_deviation(t, between[j], source)));
+      estimate.emission_deviation.push_back(
+          estimate.emission[j] * std::hypot(wider * std::sqrt(emission[j]), brighter, relative));
       if (thick())
-        estimate.absorption_deviation.push_back(wider * estimate.absorption[j] *
-                                                std::sqrt(absorption[j]));
+        estimate.absorption_deviation.push_back(
+            kappa * std::hypot(wider * std::sqrt(absorption[j]), std::min(relative, 1.0)));
     }
   }
 

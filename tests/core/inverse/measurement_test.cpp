@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "plenoflame/inverse/flame_estimate.h"
 #include "support/approx.h"
 
 namespace plenoflame::test::measurement_test {
@@ -85,6 +86,20 @@ TEST(Measurement, InversePlanck) {
     EXPECT_TRUE(relative(temperature_of(total, total(t)), t, 1e-12));
   }
   EXPECT_EQ(temperature_of(band, 0), 0);
+}
+
+// By Wien's law ln S is -c2 / (wavelength T). The deviation is that of the slope, or of the
+// brighter end of the interval if the darker end is below zero.
+TEST(Measurement, DeviationsOfTemperatures) {
+  constexpr double kSecondConstant = 0.014387769, kWavelength = 650e-9;
+  const SourceFunction band = SourceFunction::band(kWavelength, 1e-9);
+  for (const double t : {600.0, 1500.0}) {
+    const double slope = kWavelength * t * t / kSecondConstant;
+    EXPECT_TRUE(relative(temperature_deviation(t, 0.05 * band(t), band), 0.05 * slope, 1e-4));
+    const double end = 1 / (1 / t - kWavelength / kSecondConstant * std::log(1001));
+    EXPECT_TRUE(relative(temperature_deviation(t, 1000 * band(t), band), end - t, 1e-3));
+    EXPECT_EQ(temperature_deviation(t, 0, band), 0);
+  }
 }
 
 }  // namespace

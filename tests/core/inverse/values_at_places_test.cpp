@@ -110,4 +110,55 @@ TEST(ValuesAtPlaces, TellTheirSamples) {
 }
 
 }  // namespace
+// Between two samples of a parabola the field is a step^2 / 8 of its curvature from the line. A
+// field that differs along both axes errs by the root of the sum of squares.
+TEST(ErrorsOfChords, AreTheLargestDistancesFromTheLines) {
+  constexpr int kCount = 9, kMiddle = kCount / 2;
+  const auto field = [](double x, double y) { return 50 - 0.8 * x * x + 0.3 * y * y; };
+  RegularLattice lattice = line_of(kCount);
+  lattice.count = {kCount, kCount, 1};
+  std::vector<double> values;
+  for (int i = 0; i < kCount; ++i)
+    for (int j = 0; j < kCount; ++j) values.push_back(field(i, j));
+  const auto farthest = [&](bool first) {
+    double distance = 0;
+    for (int k = 0; k <= 1000; ++k) {
+      const double s = kMiddle + k / 1000.0, share = s - kMiddle;
+      const auto on = [&](double t) { return first ? field(t, kMiddle) : field(kMiddle, t); };
+      distance = std::max(distance,
+                          std::fabs(on(s) - (1 - share) * on(kMiddle) - share * on(kMiddle + 1)));
+    }
+    return distance;
+  };
+  const std::vector<double> errors = errors_of_chords(*make_voxel_unknowns(lattice), values);
+  EXPECT_TRUE(relative(errors[static_cast<std::size_t>(kMiddle * kCount + kMiddle)],
+                       std::hypot(farthest(true), farthest(false)), 1e-5));
+}
+
+// A spike errs by a quarter of its height, and its neighbours share in it. Rings are even about
+// their axis, where a spike is a line that has nothing on either side.
+TEST(ErrorsOfChords, OfASpikeAndAtACentre) {
+  const std::vector<double> spike{0, 0, 0, 8, 0, 0, 0};
+  const std::vector<double> errors = errors_of_chords(*make_voxel_unknowns(line_of(7)), spike);
+  const double squares[] = {0, 0.25, 0.25 * 4 + 0.5, 0.5 * 4 + 2 * 0.25};
+  EXPECT_EQ(errors[0], 0);
+  for (std::size_t j = 1; j < 6; ++j)
+    EXPECT_TRUE(relative(errors[j], std::sqrt(squares[j < 4 ? j : 6 - j]), 1e-13)) << j;
+  // The same light from a source function of 2 in matter that differs from place to place.
+  const std::vector<double> source(7, 2), matter{0, 0, 0, 4, 0, 0, 0};
+  const std::vector<double> of_source =
+      errors_of_chords(*make_voxel_unknowns(line_of(7)), source, matter);
+  EXPECT_TRUE(relative(of_source[3], errors[3] / 4, 1e-13));
+  EXPECT_EQ(of_source[2], 0);
+  RingGrid grid;
+  grid.radial_step = grid.height_step = 1;
+  grid.rings = 4;
+  grid.heights = 1;
+  const std::vector<double> line =
+      errors_of_chords(*make_ring_unknowns(grid), std::vector<double>{8, 0, 0, 0});
+  EXPECT_TRUE(relative(line[0], std::sqrt(0.5 * 4 + 0.5), 1e-13));
+  EXPECT_TRUE(relative(line[1], std::sqrt(0.5 + 0.25 * 4), 1e-13));
+  EXPECT_TRUE(relative(line[2], 0.5, 1e-13));
+}
+
 }  // namespace plenoflame::test::values_at_places_test

@@ -29,6 +29,11 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold = 1e-4);
 
+/// [K] The deviation of a temperature [K] whose source function errs by `deviation`. If this is
+/// more than the source function itself, the slope tells nothing: the brighter end of the interval
+/// does.
+double temperature_deviation(double temperature, double deviation, const SourceFunction& source);
+
 /// Adds an independent part to the deviations of emission and temperature.
 /// @param moved [W/(m^2 sr)] standard deviations of the source function, of each unknown
 void add_deviation(std::span<const double> moved, const SourceFunction& source,

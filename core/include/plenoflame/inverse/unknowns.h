@@ -46,6 +46,13 @@ std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const d
                                      const std::vector<char>& solved);
 /// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.
 std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const double> values);
+/// How far a field may lie from its interpolation between unknowns: an eighth of the second
+/// differences, the height of an arc over its chord. The root of the mean square of a place and its
+/// neighbours, summed over the axes. Beyond the lattice the field is 0.
+/// @param absorption [1/m] if the field is a source function: the differences are those of the
+/// light
+std::vector<double> errors_of_chords(const Unknowns& unknowns, std::span<const double> values,
+                                     std::span<const double> absorption = {});
 
 /// Voxels of a regular lattice.
 /// @throws InputError for a singular transform or an axis without samples

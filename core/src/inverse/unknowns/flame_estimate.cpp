@@ -28,6 +28,12 @@ void for_neighbours(const std::array<int, 3>& shape, std::size_t unknown, const 
 
 }  // namespace
 
+double temperature_deviation(double temperature, double deviation, const SourceFunction& source) {
+  const double value = source(temperature);
+  return std::max(std::min(deviation, value) / source_slope(source, temperature),
+                  temperature_of(source, value + deviation) - temperature);
+}
+
 FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold) {
@@ -66,7 +72,7 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
     estimate.decided[j] = 1;
     estimate.temperature[j] = t;
     if (!deviation.empty())
-      estimate.temperature_deviation[j] = deviation[j] / source_slope(source, t);
+      estimate.temperature_deviation[j] = temperature_deviation(t, deviation[j], source);
   }
   for (std::size_t j = 0; j < n; ++j) {
     if (estimate.decided[j] || !(absorption[j] > 0)) continue;
@@ -90,8 +96,8 @@ void add_deviation(std::span<const double> moved, const SourceFunction& source,
            &temperature = estimate.temperature_deviation[j];
     emission = std::hypot(emission, estimate.absorption[j] * moved[j]);
     if (temperature > 0)
-      temperature =
-          std::hypot(temperature, moved[j] / source_slope(source, estimate.temperature[j]));
+      temperature = std::hypot(
+          temperature, temperature_deviation(estimate.temperature[j], std::fabs(moved[j]), source));
   }
 }
 

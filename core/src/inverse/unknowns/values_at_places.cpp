@@ -1,25 +1,42 @@
 #include <algorithm>
+#include <cmath>
 
 #include "plenoflame/inverse/unknowns.h"
 
 namespace plenoflame {
+namespace {
+
+constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+
+/// Calls use(unknown, the one before, the one behind) along an axis; kNone is beyond the lattice.
+template <class Use>
+void along(const Unknowns& unknowns, std::size_t axis, const Use& use) {
+  const std::array<int, 3> shape = unknowns.shape();
+  std::size_t stride = 1;
+  for (std::size_t a = axis + 1; a < 3; ++a) stride *= static_cast<std::size_t>(shape[a]);
+  const auto count = static_cast<std::size_t>(shape[axis]);
+  if (count < 2) return;
+  const bool even = axis == 0 && unknowns.begins_at_centre();
+  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    const std::size_t at = j / stride % count;
+    const std::size_t behind = at + 1 < count ? j + stride : kNone;
+    use(j, at > 0 ? j - stride : even ? behind : kNone, behind);
+  }
+}
+
+}  // namespace
 
 std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const double> samples,
                                      const std::vector<char>& solved) {
   std::vector<double> values(samples.begin(), samples.end());
   if (!unknowns.is_linear()) return values;
-  const std::array<int, 3> shape = unknowns.shape();
-  std::size_t stride = 1;
-  for (std::size_t a = 3; a-- > 0; stride *= static_cast<std::size_t>(shape[a])) {
+  for (std::size_t axis = 3; axis-- > 0;) {
     const std::vector<double> before = values;
-    for (std::size_t j = 0; j < values.size(); ++j) {
-      const int at = static_cast<int>(j / stride % static_cast<std::size_t>(shape[a]));
-      const bool centre = a == 0 && at == 0 && unknowns.begins_at_centre();
+    along(unknowns, axis, [&](std::size_t j, std::size_t lower, std::size_t upper) {
       // A line that ends at the grid's rim may extend beyond it.
-      if (shape[a] < 2 || at + 1 == shape[a] || (at == 0 && !centre)) continue;
-      const double lower = before[centre ? j + stride : j - stride];
-      values[j] += (lower - 2 * before[j] + before[j + stride]) / 12;
-    }
+      if (lower != kNone && upper != kNone)
+        values[j] += (before[lower] - 2 * before[j] + before[upper]) / 12;
+    });
   }
   for (std::size_t j = 0; j < solved.size(); ++j)
     if (solved[j] == 0) values[j] = samples[j];
@@ -38,6 +55,30 @@ std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const 
   }
   for (double& sample : samples) sample = std::max(sample, 0.0);
   return samples;
+}
+
+std::vector<double> errors_of_chords(const Unknowns& unknowns, std::span<const double> values,
+                                     std::span<const double> absorption) {
+  std::vector<double> squares(values.size(), 0.0);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    along(unknowns, axis, [&](std::size_t j, std::size_t lower, std::size_t upper) {
+      const auto value = [&](std::size_t k) {
+        return k == kNone ? 0 : absorption.empty() ? values[k] : absorption[k] * values[k];
+      };
+      squares[j] += std::pow((value(lower) - 2 * value(j) + value(upper)) / 8, 2);
+    });
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double> own = squares;
+    along(unknowns, axis, [&](std::size_t j, std::size_t lower, std::size_t upper) {
+      const auto square = [&](std::size_t k) { return own[k == kNone ? j : k]; };
+      squares[j] = 0.5 * own[j] + 0.25 * (square(lower) + square(upper));
+    });
+  }
+  for (std::size_t j = 0; j < squares.size(); ++j) {
+    squares[j] = std::sqrt(squares[j]);
+    if (!absorption.empty()) squares[j] = absorption[j] > 0 ? squares[j] / absorption[j] : 0;
+  }
+  return squares;
 }
 
 }  // namespace plenoflame
