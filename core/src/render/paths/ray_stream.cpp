@@ -40,9 +40,12 @@ struct StreamPath {
              const Execution& execution, RayStreamContent content, const std::vector<Box>& region,
              std::shared_ptr<const SobolPools> pools)
       : scene(path_scene), medium(scene), front(scene.camera) {
-    if (settings.skip && !region.empty())
+    // To find how far windows displace rays takes as long as the rays of some tiles.
+    const PixelWindow window = window_of(settings, scene.scene.camera.sensor);
+    const bool is_small = window.width <= 2 * Film::kTile && window.height <= 2 * Film::kTile;
+    if (settings.skip && !region.empty() && !(scene.windows && is_small))
       beams = SceneBeams::make(scene, region);
-    else if (settings.skip && has_content(scene))
+    else if (settings.skip && region.empty() && has_content(scene))
       beams = SceneBeams::make(scene);
     if (content == RayStreamContent::radiance) light = PathLight(scene, settings, execution);
     plan = make_pass_plan<Real>(scene, medium.get(), settings, {0, samples_per_replicate(settings)},

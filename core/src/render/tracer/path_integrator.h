@@ -2,6 +2,7 @@
 #include <memory>
 #include <vector>
 
+#include "render/sampling/aligned_columns.h"
 #include "render/tracer/backward_plan.h"
 #include "render/tracer/traced_rays.h"
 #include "render/transport/medium_segments.h"
@@ -36,20 +37,27 @@ class PathIntegrator {
   /// The paths of the last integrated block.
   const WorldPaths& paths() const { return paths_; }
   /// [W/(m^2 sr)] that a stretch adds to its ray at the camera, of node n at [n * stretches + s].
-  /// The last stretch of a ray includes the light from its end.
+  /// The last stretch of a ray includes the light from its end. Only if paths may bend.
   const std::vector<Real>& shares() const { return shares_; }
-  /// The flames' transmittance along a stretch, in the first channel.
+  /// The flames' transmittance along a stretch, in the first channel. Only if paths may bend.
   double transmittance(std::size_t stretch) const { return segments_.transmittance(stretch); }
   /// Spent on the ends of paths so far.
   double seconds_surfaces() const { return seconds_surfaces_; }
 
  private:
-  void add_scattered(const TracedRays<Real>& rays, MediumCounters& counters);
+  void integrate_lines(const TracedRays<Real>& rays, const RadianceBatch<Real>& out,
+                       MediumCounters& counters);
+  void integrate_stretches(const TracedRays<Real>& rays, const RadianceBatch<Real>& out,
+                           MediumCounters& counters);
+  template <class Passed>
+  void add_scattered(const TracedRays<Real>& rays, const Passed& passed, MediumCounters& counters);
 
   const BackwardPlan<Real>& plan_;
   std::size_t nodes_;
   std::unique_ptr<ScatterWalk> scatter_;    ///< nullptr: nothing scatters
   std::unique_ptr<SurfaceBlock> surfaces_;  ///< nullptr if the plan has none
+  std::size_t passes_;                      ///< number of different transmittances
+  AlignedColumns<Real> columns_;
   BasicMediumSegments<Real> segments_;
   WorldPaths paths_;
   std::vector<Real> shares_;

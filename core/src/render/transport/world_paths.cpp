@@ -8,7 +8,7 @@ void follow(const WindowSet* windows, const Ray& ray, WindowPath& path) {
   if (windows)
     windows->trace(ray, path);
   else
-    path.segments.assign(1, {ray, kInfinity, 1, -1});
+    path.segments.resize(1), path.segments.front() = {ray, kInfinity, 1, -1};
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ class WorldPaths {
   /// Adds the path of one ray alone.
   const WorldPath& trace(const Ray& line);
 
+  /// False: every path has one stretch.
+  bool may_bend() const { return windows_ != nullptr; }
   std::size_t size() const { return paths_.size(); }
   const WorldPath& operator[](std::size_t ray) const { return paths_[ray]; }
   std::span<const AirSegment> stretches() const { return stretches_; }
