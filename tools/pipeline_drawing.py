@@ -19,6 +19,7 @@ STAGES = [
     ("RayGenerator", "points of sensor and pupil,\naims at the stop's edge, etendue", ["ray_generator.h", "backward_kernel.inl.h",
                                                                               "aim_edges_kernel.inl.h"], "DrawnRays"),
     ("CameraTracer", "microlens, main lens, into the world", ["camera_tracer.h", "camera_kernel.inl.h"], "TracedRays"),
+    ("WorldPaths", "straight stretches in air, windows\nbetween them, a surface at the end", ["world_paths.h"], "WorldPath"),
 ]
 CONSUMERS = [
     ("PictureTracer", "RadianceIntegrator, FilmSums:\nthe picture", ["picture_tracer.h", "radiance_integrator.h", "film_sums.h"],
@@ -62,28 +63,30 @@ def draw():
     import matplotlib.pyplot as plt
     import matplotlib.patches
 
-    figure, axes = plt.subplots(figsize=(10, 7))
+    figure, axes = plt.subplots(figsize=(10, 8.6))
     width, height, step = 4.1, 1.5, 2.05
     x, top = 0.5, 6.6
-    axes.add_patch(matplotlib.patches.Rectangle((x - 0.25, top - 3 * step - 0.2), width + 0.5, 3 * step - 0.22, fill=False, ls="--",
+    axes.add_patch(matplotlib.patches.Rectangle((x - 0.25, top - 4 * step - 0.2), width + 0.5, 4 * step - 0.22, fill=False, ls="--",
                                                 lw=0.8, edgecolor="#777777"))
-    axes.text(x - 0.2, top - 3 * step - 0.28, "one worker, 64 x 64 pixels at a time", fontsize=8, va="top", color="#555555")
+    axes.text(x - 0.2, top - 4 * step - 0.28, "one worker, 64 x 64 pixels at a time", fontsize=8, va="top", color="#555555")
     for k, (name, about, files, handed) in enumerate(STAGES):
         y = top - k * step
         box(axes, x, y, width, height, STAGE if k else GIVEN, name, about, files)
         if k + 1 < len(STAGES):
             arrow(axes, (x + width / 2, y), (x + width / 2, y - step + height), handed, (0.1, 0), "left")
-    start = (x + width, top - 3 * step + height / 2)
+    rays, paths = [(x + width, top - row * step + height / 2) for row in (3, 4)]
     for k, (name, about, files, handed) in enumerate(CONSUMERS):
         y = top - 1 * step - k * step
         left = x + width + 2
         box(axes, left, y, width, height, CONSUMER, name, about, files)
-        arrow(axes, start, (left, y + height / 2), "TracedRays" if k == 2 else "", (0.15, 0.15), "center")
+        if k == 0:  # a medium alone lights whole lines
+            arrow(axes, rays, (left, y + height / 2 + 0.15), "", (0, 0), "center")
+        arrow(axes, paths, (left, y + height / 2 - 0.15), "WorldPath" if k == 2 else "", (0.1, -0.35), "center")
         arrow(axes, (left + width, y + height / 2), (left + width + 0.9, y + height / 2), "", (0, 0), "left")
         axes.text(left + width + 1, y + height / 2, handed, fontsize=9, style="italic", va="center")
     axes.text(x + width + 2, top - step + height + 0.18, "consumers of rays: blocks of up to 1024", fontsize=8, color="#555555")
     axes.set_xlim(0, 13.8)
-    axes.set_ylim(-0.2, 8.3)
+    axes.set_ylim(-2.2, 8.3)
     axes.axis("off")
     figure.savefig(ROOT / "docs/images/pipeline.png", dpi=110, bbox_inches="tight")
 

@@ -1,6 +1,6 @@
 list(APPEND core_kernels src/render/sampling/backward_kernel.inl.h src/render/visibility/pixel_row_kernel.inl.h
   src/render/tracer/radiance_table_kernel.inl.h src/render/transport/window_wall_kernel.inl.h)
-list(APPEND core_sources src/render/estimators/backward.cpp src/render/tracer/pixel_sampler.cpp src/render/tracer/radiance_integrator.cpp src/render/tracer/window_integrator.cpp src/render/transport/window_aim.cpp src/render/visibility/window_displacement.cpp src/render/transport/medium_behind_windows.cpp src/render/merge.cpp src/render/merge_plan.cpp src/render/tracer/film_sums.cpp src/render/paths/ray_stream.cpp
+list(APPEND core_sources src/render/estimators/backward.cpp src/render/tracer/pixel_sampler.cpp src/render/tracer/radiance_integrator.cpp src/render/tracer/path_integrator.cpp src/render/transport/camera_aim.cpp src/render/transport/world_paths.cpp src/render/visibility/window_displacement.cpp src/render/transport/medium_behind_windows.cpp src/render/merge.cpp src/render/merge_plan.cpp src/render/tracer/film_sums.cpp src/render/paths/ray_stream.cpp
   src/render/visibility/camera_front.cpp src/render/run/check_settings.cpp src/render/tracer/ray_generator.cpp src/render/tracer/camera_tracer.cpp src/render/sampling/sensor_blur.cpp
   src/render/forward/forward_pixels.cpp src/render/estimators/render.cpp
   src/render/visibility/beam_bounds.cpp src/render/transport/channel_sum.cpp src/render/forward/bundle_collisions.cpp src/render/transport/phase_function.cpp src/render/transport/scatter_walk.cpp src/render/visibility/occupied_region.cpp

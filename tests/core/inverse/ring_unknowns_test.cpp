@@ -27,13 +27,14 @@ RingGrid upright(int rings, int heights) {
 }
 
 double chord(const Unknowns& unknowns, const Ray& ray, const std::vector<double>& samples) {
-  std::vector<RayInterval> intervals;
+  RayIntervals intervals;
   unknowns.append(ray, 0, 10, intervals);
-  std::vector<std::array<double, 2>> weights;
+  IntervalTransfers weights;
   node_weights(intervals, {}, RowModel::emission, weights);
   double sum = 0;
   for (std::size_t i = 0; i < intervals.size(); ++i)
-    for (std::size_t n = 0; n < 2; ++n) sum += weights[i][n] * intervals[i].node[n].value(samples);
+    sum += weights.near[i] * value_at(intervals[i], 0, samples) +
+           weights.far[i] * value_at(intervals[i], 1, samples);
   return sum;
 }
 

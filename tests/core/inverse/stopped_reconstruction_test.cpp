@@ -32,8 +32,7 @@ class StoppingUnknowns final : public Unknowns {
   VoxelField field(std::span<const double> values, const std::string& name) const override {
     return own_.field(values, name);
   }
-  void append(const Ray& ray, double t_near, double t_far,
-              std::vector<RayInterval>& out) const override {
+  void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override {
     if (++rays == stop_at) stop.request_stop();
     own_.append(ray, t_near, t_far, out);
   }

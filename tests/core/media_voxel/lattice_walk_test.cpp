@@ -1,4 +1,4 @@
-// The scalar walk against the voxel medium's kernel and closed forms: weights times samples are the
+// The walk against the voxel medium's kernel and closed forms: weights times samples are the
 // radiance.
 #include "plenoflame/media/lattice_walk.h"
 
@@ -71,13 +71,14 @@ Fields random_fields(const AffineTransform& transform, double thickest) {
 double radiance_of(const LatticeWalk& walk, const Ray& ray, const std::vector<double>& absorption,
                    RowModel model, const std::vector<double>& samples,
                    const RaySpan& span = {-1e30, 1e30}) {
-  std::vector<RayInterval> intervals;
+  RayIntervals intervals;
   walk.append(ray, span.near, span.far, intervals);
-  std::vector<std::array<double, 2>> weights;
+  IntervalTransfers weights;
   node_weights(intervals, absorption, model, weights);
   double sum = 0;
   for (std::size_t i = 0; i < intervals.size(); ++i)
-    for (std::size_t n = 0; n < 2; ++n) sum += weights[i][n] * intervals[i].node[n].value(samples);
+    sum += weights.near[i] * value_at(intervals[i], 0, samples) +
+           weights.far[i] * value_at(intervals[i], 1, samples);
   return sum;
 }
 
@@ -117,16 +118,32 @@ TEST(LatticeWalk, SourceFunctionsAsTheKernelIntegratesThem) {
     // The field of the source function has no edge: it is the same behind the last samples.
     const LatticeWalk walk({kCount, oblique(), mode});
     for (std::size_t r = 0; r < rays.size(); ++r) {
-      std::vector<RayInterval> intervals;
+      RayIntervals intervals;
       walk.append(rays[r], -1e30, 1e30, intervals);
-      std::vector<std::array<double, 2>> weights;
+      IntervalTransfers weights;
       const double passed = node_weights(intervals, f.absorption, RowModel::source, weights);
       double sum = 0;
-      for (const auto& w : weights) sum += w[0] + w[1];
+      for (std::size_t i = 0; i < intervals.size(); ++i) sum += weights.near[i] + weights.far[i];
       EXPECT_TRUE(relative(sum * source(1500), seen.radiance[0][r], 1e-10)) << r;
       EXPECT_TRUE(relative(passed, seen.transmittance[r], 1e-12)) << r;
     }
   }
+}
+
+struct TwoWeights {
+  double near, far;
+};
+
+/// Weights on source functions of an interval whose halves have these optical depths.
+TwoWeights weights_of(const std::array<double, 2>& depths) {
+  RayIntervals one;
+  RayInterval& interval = one.add_empty(2);
+  interval.count = 2;
+  interval.sample[1] = 1;
+  interval.weight[0][0] = interval.weight[1][1] = 1;
+  IntervalTransfers transfers;
+  transfers.set(one, depths, 1, RowModel::source);
+  return {transfers.near[0], transfers.far[0]};
 }
 
 // Against differences of the weights themselves, from thin to thick, even and uneven. Fails when
@@ -141,7 +158,7 @@ TEST(LatticeWalk, SlopesOfTheWeights) {
         const auto moved = [&](double step) {
           std::array<double, 2> there = at;
           there[n] += step;
-          return interval_transfer(there[0], there[1]);
+          return weights_of(there);
         };
         const auto a = moved(h), b = moved(-h), c = moved(2 * h), d = moved(-2 * h);
         const double near = (8 * (a.near - b.near) - (c.near - d.near)) / (12 * h);

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numeric>
 
 #include "core/media_voxel/voxel_fixture.h"
 #include "core/render/isothermal.h"
@@ -98,6 +99,13 @@ TEST(Scattering, VanDeHulstSlab) {
     EXPECT_LT(mean.error(), 0.015 * expected);
     EXPECT_TRUE(within_standard_errors(mean.value(), expected, mean.error(), 4)) << reflected;
   }
+  // A stretch that begins behind the slab. Fails if its line counts in front of its begin, too.
+  std::vector<ScatterWalk::Start> beyond;
+  for (int i = 0; i < kBatch; ++i)
+    beyond.push_back({i, {{0, 0, 1}, {0, 0, 1}}, static_cast<std::uint64_t>(i), kInfinity, 0.5, 0});
+  std::vector<std::vector<double>> radiance(1, std::vector<double>(kBatch));
+  walk.add(beyond, radiance, counters);
+  EXPECT_EQ(std::accumulate(radiance[0].begin(), radiance[0].end(), 0.0), 0);
 }
 
 /// A scene that shines on itself from everywhere like a body of 1700 K, with flames of 1700 K: its

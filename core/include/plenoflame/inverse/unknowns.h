@@ -31,8 +31,7 @@ class Unknowns {
   /// Volume that an unknown fills [m^3], the integral of its basis function.
   virtual double volume(std::size_t unknown) const = 0;
   /// Appends the intervals of a ray between two places, in their order along it.
-  virtual void append(const Ray& ray, double t_near, double t_far,
-                      std::vector<RayInterval>& out) const = 0;
+  virtual void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const = 0;
   /// Values as a field on a lattice of voxels, 0 outside. @param background of the field
   virtual VoxelField field(std::span<const double> values, const std::string& name) const = 0;
 };

@@ -1,15 +1,16 @@
 #pragma once
 #include <array>
 #include <cstddef>
-#include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "plenoflame/math/vector.h"
+#include "plenoflame/media/ray_interval_kernel.h"
 #include "plenoflame/media/voxel_medium.h"
 
-/// The voxel medium's quadrature without the sum along the ray, for one ray at a time in double
-/// precision. Inversions differentiate it (docs/theory/reconstruction.md).
+/// The voxel medium's quadrature without the sum along the ray, in double precision. Inversions
+/// differentiate it (docs/theory/reconstruction.md).
 namespace plenoflame {
 
 /// Samples at whole index coordinates 0 .. count - 1 of each axis; sample (i, j, k) has the number
@@ -26,29 +27,31 @@ struct RegularLattice {
   Vec3 place(std::size_t sample) const;  ///< world
 };
 
-/// A quadrature node of an interval: a field there is the sum of weight * sample. Entries from
-/// `count` on have no value.
-struct RayNode {
-  int count = 0;
-  std::array<std::uint32_t, 8> sample;
-  std::array<double, 8> weight;
+/// The intervals of a ray, in their order along it. Memory is kept from ray to ray.
+class RayIntervals {
+ public:
+  void clear() { size_ = 0; }
+  std::size_t size() const { return size_; }
+  const RayInterval& operator[](std::size_t i) const { return all_[i]; }
+  RayInterval* data() { return all_.get(); }
+  const RayInterval* data() const { return all_.get(); }
+  const RayInterval* begin() const { return all_.get(); }
+  const RayInterval* end() const { return all_.get() + size_; }
 
-  double value(std::span<const double> samples) const {
-    double sum = 0;
-    for (int i = 0; i < count; ++i)
-      sum += weight[static_cast<std::size_t>(i)] * samples[sample[static_cast<std::size_t>(i)]];
-    return sum;
-  }
+  /// Room for further intervals, without values. @return the first of them
+  RayInterval* room(std::size_t count);
+  /// Adds the first intervals of the room.
+  void add(std::size_t count) { size_ += count; }
+  /// Adds an interval with weights of 0 in the first sample.
+  RayInterval& add_empty(double length);
+
+ private:
+  std::unique_ptr<RayInterval[]> all_;
+  std::size_t size_ = 0, capacity_ = 0;
 };
 
-/// A part of a ray within one cell, with the two nodes of the Gauss rule, the nearer one first.
-struct RayInterval {
-  double length = 0;  ///< [m]
-  std::array<RayNode, 2> node;
-};
-
-/// Places of the two nodes, in lengths of the interval: 1/2 -+ 1/(2 sqrt 3).
-inline constexpr std::array<double, 2> kGaussNodes{0.21132486540518711775, 0.78867513459481288225};
+/// A field at a node of an interval.
+double value_at(const RayInterval& interval, std::size_t node, std::span<const double> samples);
 
 /// Cuts rays into intervals at the faces of a lattice's cells, as the voxel medium does.
 class LatticeWalk {
@@ -57,34 +60,14 @@ class LatticeWalk {
   explicit LatticeWalk(const RegularLattice& lattice);
 
   /// Appends the intervals of a ray between two places, in their order along it.
-  void append(const Ray& ray, double t_near, double t_far, std::vector<RayInterval>& out) const;
+  void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const;
   const RegularLattice& lattice() const { return lattice_; }
 
  private:
-  void set_node(const std::array<int, 3>& cell, const std::array<double, 3>& place,
-                RayNode& node) const;
-
   RegularLattice lattice_;
   Mat3 to_index_;
   std::array<int, 3> low_{}, high_{};  // cells
 };
-
-/// Weights of the light of two nodes at the front of their interval.
-struct IntervalTransfer {
-  double transmittance = 1;
-  double near = 0, far = 0;            ///< on source functions
-  double line_near = 0, line_far = 0;  ///< on emission, per length of the interval
-};
-/// @param tau0, tau1 half the interval's length times the absorption at either node
-IntervalTransfer interval_transfer(double tau0, double tau1);
-
-/// Derivatives of interval_transfer()'s weights with regard to tau0 and tau1: [0] and [1]. The
-/// derivative of the transmittance is minus the transmittance, for both. A weight that is clamped
-/// to 0 has the derivative 0.
-struct TransferSlopes {
-  std::array<double, 2> near{}, far{};  ///< of the weights on source functions
-};
-TransferSlopes transfer_slopes(double tau0, double tau1);
 
 /// The kind of samples that a row of the linear problem is for.
 enum class RowModel {
@@ -92,12 +75,36 @@ enum class RowModel {
   source,    ///< samples of the source function [W/(m^2 sr)], emitted by the absorption
 };
 
-/// Weights of the intervals' nodes. The radiance at the ray's near end is the sum over intervals i
-/// and nodes n of weights[i][n] * field at that node.
+/// Arrays by interval: the light of two nodes at the front of their interval.
+struct IntervalTransfers {
+  std::vector<double> near_depth, far_depth;  ///< optical depth of the half of either node
+  std::vector<double> transmittance;
+  /// Weights of the nodes, on source functions or on emission per length of the interval.
+  std::vector<double> near, far;
+
+  /// @param absorption samples [1/m]; values below 0 count as 0 @param ratio on the absorption
+  void set(const RayIntervals& intervals, std::span<const double> absorption, double ratio,
+           RowModel model);
+};
+
+/// Derivatives of the weights on source functions with regard to the depths tau0 and tau1 of the
+/// nodes' halves: [0] and [1]. The derivative of the transmittance is minus the transmittance, for
+/// both. A weight that is clamped to 0 has the derivative 0.
+struct TransferSlopes {
+  std::array<double, 2> near{}, far{};  ///< of the weights on source functions
+};
+TransferSlopes transfer_slopes(double tau0, double tau1);
+
+/// Weights of the intervals' nodes. The radiance at the ray's near end is the sum over all nodes of
+/// their weight times the field there.
 /// @param absorption samples [1/m]; empty: none
-/// @param weights overwritten, one entry for each interval
+/// @param weights `near` and `far` receive the weights; the rest is temporary storage
 /// @return transmittance of all intervals
-double node_weights(std::span<const RayInterval> intervals, std::span<const double> absorption,
-                    RowModel model, std::vector<std::array<double, 2>>& weights);
+double node_weights(const RayIntervals& intervals, std::span<const double> absorption,
+                    RowModel model, IntervalTransfers& weights);
+
+/// Sums the nodes of each interval: weight[0] becomes factor * (near * weight[0] + far *
+/// weight[1]), with the interval's `near` and `far`.
+void sum_nodes(double factor, const IntervalTransfers& weights, RayIntervals& intervals);
 
 }  // namespace plenoflame

@@ -85,8 +85,7 @@ using RayBlockConsumer = std::function<void(const RayBlock<Real>& block, int wor
 /// sees little of a microlens, a random draw decides whether its rays are traced. The etendue of
 /// traced rays then includes that of the others.
 /// @param region of the scene, for settings.skip, in place of the scene's own content. If it is
-/// empty, the content counts. Windows bend rays, so that nothing is skipped in a scene that has
-/// windows and no region.
+/// empty, the content counts.
 /// @return false when it was stopped through execution.stop
 /// @throws UsageError for the forward estimator, a target error, a time limit, and settings that
 /// render() refuses; exceptions of the consumer, after all threads have ended

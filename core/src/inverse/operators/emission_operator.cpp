@@ -23,33 +23,30 @@ class RowWalk {
  public:
   explicit RowWalk(const EmissionProblem& problem) : problem_(problem), rays_(*problem.rays) {}
 
-  /// Calls use(node, weight, replicate) along every ray of a row; the weights are fluxes [W] for a
-  /// field of 1.
+  /// Calls use(sample, value, replicate) for every contribution to a row's flux [W].
   template <class Use>
-  void follow_nodes(std::size_t row, const Use& use) {
+  void follow_rays(std::size_t row, const Use& use) {
     for (const CameraRay& ray : rays_.of(row)) {
       intervals_.clear();
       problem_.unknowns->append({ray.origin, ray.direction}, 0, ray.end, intervals_);
       node_weights(intervals_, problem_.absorption, problem_.model, weights_);
-      for (std::size_t i = 0; i < intervals_.size(); ++i)
-        for (std::size_t n = 0; n < 2; ++n)
-          use(intervals_[i].node[n], ray.weight * weights_[i][n], ray.replicate);
+      sum_nodes(ray.weight, weights_, intervals_);
+      for (const RayInterval& interval : intervals_)
+        for (int c = 0; c < interval.count; ++c)
+          use(interval.sample[c], interval.weight[0][c], ray.replicate);
     }
   }
 
   template <class Use>
   void follow(std::size_t row, const Use& use) {
-    follow_nodes(row, [&](const RayNode& node, double weight, int) {
-      for (std::size_t c = 0; c < static_cast<std::size_t>(node.count); ++c)
-        use(node.sample[c], weight * node.weight[c]);
-    });
+    follow_rays(row, [&](std::size_t sample, double value, int) { use(sample, value); });
   }
 
  private:
   const EmissionProblem& problem_;
   RowRays rays_;
-  std::vector<RayInterval> intervals_;
-  std::vector<std::array<double, 2>> weights_;
+  RayIntervals intervals_;
+  IntervalTransfers weights_;
 };
 
 struct EmissionRows {
@@ -150,9 +147,9 @@ std::vector<std::array<double, 2>> replicate_fluxes(const EmissionProblem& probl
     RowWalk walk(problem);
     follow_piece(pieces, piece, execution, [&](std::size_t row) {
       if (row % step != 0) return;
-      walk.follow_nodes(row, [&](const RayNode& node, double weight, int replicate) {
+      walk.follow_rays(row, [&](std::size_t sample, double value, int replicate) {
         if (replicate < 2)
-          sums[row / step][static_cast<std::size_t>(replicate)] += weight * node.value(x);
+          sums[row / step][static_cast<std::size_t>(replicate)] += value * x[sample];
       });
     });
   };

@@ -28,30 +28,28 @@ inline constexpr std::size_t kFollowedParts = 16;
 /// A row's entries by column, gathered densely.
 class RowSum {
  public:
-  explicit RowSum(std::size_t columns) : value_(columns, 0.0), used_(columns, 0) {}
+  explicit RowSum(std::size_t columns)
+      : value_((columns + kBlock - 1) / kBlock * kBlock, 0.0), used_(value_.size() / kBlock, 0) {}
   void add(std::size_t column, double value) {
-    if (!used_[column]) {
-      used_[column] = 1;
-      columns_.push_back(column);
-    }
+    used_[column / kBlock] = 1;
     value_[column] += value;
   }
   /// Hands out the entries that are not 0 in the order of the columns, and clears the row.
   template <class Use>
   void take(const Use& use) {
-    std::sort(columns_.begin(), columns_.end());
-    for (const std::size_t column : columns_) {
-      if (value_[column] != 0) use(column, value_[column]);
-      value_[column] = 0;
-      used_[column] = 0;
+    for (auto at = std::find(used_.begin(), used_.end(), 1); at != used_.end();
+         at = std::find(at, used_.end(), 1)) {
+      *at = 0;
+      const std::size_t first = static_cast<std::size_t>(at - used_.begin()) * kBlock;
+      for (std::size_t column = first; column < first + kBlock; ++column)
+        if (value_[column] != 0) use(column, std::exchange(value_[column], 0.0));
     }
-    columns_.clear();
   }
 
  private:
+  static constexpr std::size_t kBlock = 32;  ///< columns that are looked through together
   std::vector<double> value_;
-  std::vector<char> used_;
-  std::vector<std::size_t> columns_;
+  std::vector<char> used_;  ///< by block
 };
 
 /// Rows after which a product looks whether it is to end: a piece may take seconds.

@@ -43,14 +43,14 @@ class RowsOfPixels {
 };
 
 double transmittance(const Unknowns& unknowns, const std::vector<double>& absorption,
-                     const Ray& ray, double t_far, std::vector<RayInterval>& intervals) {
+                     const Ray& ray, double t_far, RayIntervals& intervals) {
   if (absorption.empty()) return 1;
   intervals.clear();
   unknowns.append(ray, 0, t_far, intervals);
   double depth = 0;
   for (const RayInterval& interval : intervals)
     depth += 0.5 * interval.length *
-             (interval.node[0].value(absorption) + interval.node[1].value(absorption));
+             (value_at(interval, 0, absorption) + value_at(interval, 1, absorption));
   return std::exp(-depth);
 }
 
@@ -99,7 +99,7 @@ std::vector<double> light_behind(const std::vector<CameraView>& views, const Cam
       const int channel = channel_of(block, settings.channel);
       if (channel < 0) return;
       auto& tile = tiles[static_cast<std::size_t>(block.tile)];
-      std::vector<RayInterval> intervals;
+      RayIntervals intervals;
       const double* const radiance =
           block.radiance.data() + static_cast<std::ptrdiff_t>(channel) * block.rays.size;
       for (std::size_t i = 0; i < static_cast<std::size_t>(block.size); ++i) {

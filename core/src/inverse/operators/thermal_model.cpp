@@ -77,9 +77,7 @@ void check(const ThermalModel& model, std::span<const double> x) {
 
 /// An interval of a ray in the light of one channel.
 struct LitInterval {
-  std::array<double, 2> absorption{};  ///< [1/m] at the nodes, in the channel
   std::array<SourceTable::Value, 2> source{};
-  IntervalTransfer transfer;
   double passed = 1;    ///< transmittance of what is in front
   double radiance = 0;  ///< what it adds to the ray's
   bool empty = false;   ///< nothing absorbs there
@@ -130,26 +128,21 @@ class ThermalWalk {
   double radiance(const Light& light, const CameraRay& ray) {
     intervals_.clear();
     model_.unknowns->append({ray.origin, ray.direction}, 0, ray.end, intervals_);
+    transfers_.set(intervals_, fields_.absorption, light.absorption_ratio, RowModel::source);
     lit_.resize(intervals_.size());
     double passed = 1, sum = 0;
     for (std::size_t i = 0; i < intervals_.size(); ++i) {
-      const RayInterval& interval = intervals_[i];
       LitInterval& lit = lit_[i];
       lit = {};
       lit.passed = passed;
-      for (std::size_t n = 0; n < 2; ++n)
-        lit.absorption[n] =
-            light.absorption_ratio * std::max(interval.node[n].value(fields_.absorption), 0.0);
       // Nothing is emitted where nothing absorbs: exponentials are saved.
-      lit.empty = !(lit.absorption[0] + lit.absorption[1] > 0);
+      lit.empty = !(transfers_.near_depth[i] + transfers_.far_depth[i] > 0);
       if (lit.empty) continue;
       for (std::size_t n = 0; n < 2; ++n)
-        lit.source[n] = light.source.at(interval.node[n].value(fields_.temperature));
-      const double half = 0.5 * interval.length;
-      lit.transfer = interval_transfer(half * lit.absorption[0], half * lit.absorption[1]);
-      lit.radiance = passed * (lit.transfer.near * lit.source[0].source +
-                               lit.transfer.far * lit.source[1].source);
-      passed *= lit.transfer.transmittance;
+        lit.source[n] = light.source.at(value_at(intervals_[i], n, fields_.temperature));
+      lit.radiance = passed * (transfers_.near[i] * lit.source[0].source +
+                               transfers_.far[i] * lit.source[1].source);
+      passed *= transfers_.transmittance[i];
       sum += lit.radiance;
     }
     return sum;
@@ -165,25 +158,26 @@ class ThermalWalk {
     for (std::size_t i = intervals_.size(); i-- > 0;) {
       const LitInterval& lit = lit_[i];
       if (lit.empty) continue;
-      const double half = 0.5 * intervals_[i].length;
-      const std::array<double, 2> weights{lit.transfer.near, lit.transfer.far};
-      TransferSlopes slopes;
-      if (thick) slopes = transfer_slopes(half * lit.absorption[0], half * lit.absorption[1]);
-      for (std::size_t n = 0; n < 2; ++n) {
-        const RayNode& node = intervals_[i].node[n];
-        if (hot && weights[n] != 0) {
-          const double by_temperature = weight * lit.passed * weights[n] * lit.source[n].slope;
-          for (std::size_t c = 0; c < static_cast<std::size_t>(node.count); ++c)
-            use(node.sample[c], by_temperature * node.weight[c]);
-        }
-        if (!thick) continue;
-        const double by_depth = lit.passed * (slopes.near[n] * lit.source[0].source +
-                                              slopes.far[n] * lit.source[1].source) -
-                                behind;
-        const double by_absorption = weight * by_depth * half * light.absorption_ratio;
-        for (std::size_t c = 0; c < static_cast<std::size_t>(node.count); ++c)
-          use(first_absorption + node.sample[c],
-              by_absorption * node.weight[c] * fields_.absorption[node.sample[c]]);
+      const RayInterval& interval = intervals_[i];
+      std::array<double, 2> by_temperature{}, by_depth{};
+      for (std::size_t n = 0; n < 2; ++n)
+        by_temperature[n] = weight * lit.passed *
+                            (n == 0 ? transfers_.near[i] : transfers_.far[i]) * lit.source[n].slope;
+      for (int c = 0; c < interval.count && hot; ++c)
+        use(interval.sample[c],
+            by_temperature[0] * interval.weight[0][c] + by_temperature[1] * interval.weight[1][c]);
+      if (thick) {
+        const TransferSlopes slopes =
+            transfer_slopes(transfers_.near_depth[i], transfers_.far_depth[i]);
+        for (std::size_t n = 0; n < 2; ++n)
+          by_depth[n] = (lit.passed * (slopes.near[n] * lit.source[0].source +
+                                       slopes.far[n] * lit.source[1].source) -
+                         behind) *
+                        weight * 0.5 * interval.length * light.absorption_ratio;
+        for (int c = 0; c < interval.count; ++c)
+          use(first_absorption + interval.sample[c],
+              (by_depth[0] * interval.weight[0][c] + by_depth[1] * interval.weight[1][c]) *
+                  fields_.absorption[interval.sample[c]]);
       }
       behind += lit.radiance;
     }
@@ -192,7 +186,8 @@ class ThermalWalk {
   const ThermalModel& model_;
   const ThermalFields& fields_;
   std::vector<RowRays> rays_;  ///< of the channels
-  std::vector<RayInterval> intervals_;
+  RayIntervals intervals_;
+  IntervalTransfers transfers_;
   std::vector<LitInterval> lit_;
 };
 

@@ -44,8 +44,7 @@ class LayerUnknowns : public Unknowns {
     return 4 * std::numbers::pi * grid_.semi_axes.x * grid_.semi_axes.y * grid_.semi_axes.z * hat *
            step * step * step;
   }
-  void append(const Ray& ray, double t_near, double t_far,
-              std::vector<RayInterval>& out) const override;
+  void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override;
   VoxelField field(std::span<const double> values, const std::string& name) const override {
     // The voxel size is the width of a layer along the shortest semi-axis.
     const Vec3 a = grid_.semi_axes;
@@ -62,31 +61,32 @@ class LayerUnknowns : public Unknowns {
                            const double x = step * (i - reach[0]) / a.x,
                                         y = step * (j - reach[1]) / a.y,
                                         z = step * (k - reach[2]) / a.z;
-                           return node(std::sqrt(x * x + y * y + z * z)).value(values);
+                           const double reduced = std::sqrt(x * x + y * y + z * z);
+                           RayInterval place{};
+                           set_nodes({reduced, reduced}, place);
+                           return value_at(place, 0, values);
                          });
   }
 
  private:
-  /// At a reduced radius, 1 on the outermost ellipsoid.
-  RayNode node(double reduced) const {
-    RayNode result{};
-    const double at = reduced * grid_.layers;
-    const int i = static_cast<int>(std::min(at, 1e9));
-    for (int up = 0; up < 2; ++up) {
-      const double weight = up ? at - i : 1 - (at - i);
-      if (i + up >= grid_.layers || weight == 0) continue;
-      const auto n = static_cast<std::size_t>(result.count++);
-      result.sample[n] = static_cast<std::uint32_t>(i + up);
-      result.weight[n] = weight;
+  /// Sets the samples and their weights at two reduced radii of one layer; 1 is the outermost.
+  void set_nodes(const std::array<double, 2>& reduced, RayInterval& out) const {
+    const double middle = 0.5 * (reduced[0] + reduced[1]) * grid_.layers;
+    const int i = static_cast<int>(std::min(middle, 1e9));
+    out.count = 2;
+    for (int up = 0; up < 2 && i + up < grid_.layers; ++up) {
+      out.sample[up] = static_cast<std::uint32_t>(i + up);
+      for (std::size_t n = 0; n < 2; ++n) {
+        const double share = std::clamp(reduced[n] * grid_.layers - i, 0.0, 1.0);
+        out.weight[n][up] = up != 0 ? share : 1 - share;
+      }
     }
-    return result;
   }
 
   LayerGrid grid_;
 };
 
-void LayerUnknowns::append(const Ray& ray, double t_near, double t_far,
-                           std::vector<RayInterval>& out) const {
+void LayerUnknowns::append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const {
   const Vec3 a = grid_.semi_axes, from = ray.origin - grid_.centre;
   const Vec3 o{from.x / a.x, from.y / a.y, from.z / a.z};
   const Vec3 d{ray.direction.x / a.x, ray.direction.y / a.y, ray.direction.z / a.z};
@@ -117,12 +117,10 @@ void LayerUnknowns::append(const Ray& ray, double t_near, double t_far,
     const double stretch = (faces[f + 1] - faces[f]) / kParts;
     if (!(stretch > 0)) continue;
     for (int part = 0; part < kParts; ++part) {
-      RayInterval interval;
-      interval.length = stretch;
+      std::array<double, 2> reduced{};
       for (std::size_t n = 0; n < 2; ++n)
-        interval.node[n] =
-            node(std::min(1.0, length(o + (faces[f] + (part + kGaussNodes[n]) * stretch) * d)));
-      out.push_back(interval);
+        reduced[n] = std::min(1.0, length(o + (faces[f] + (part + kGaussNodes[n]) * stretch) * d));
+      set_nodes(reduced, out.add_empty(stretch));
     }
   }
 }

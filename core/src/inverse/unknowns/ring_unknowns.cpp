@@ -95,41 +95,37 @@ class RingUnknowns : public Unknowns {
         std::numbers::pi * grid_.radial_step * grid_.radial_step * (i > 0 ? 2 * i : 1.0 / 3);
     return area * grid_.height_step;
   }
-  void append(const Ray& ray, double t_near, double t_far,
-              std::vector<RayInterval>& out) const override;
+  void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override;
   VoxelField field(std::span<const double> values, const std::string& name) const override;
 
  private:
-  /// The weights of up to four samples at a radius and a height in steps.
-  void set_node(RayNode& node, double radius, double height) const;
+  /// Sets up to four samples and their weights at two places of one cell.
+  /// @param radius, height of the places, in steps
+  void set_nodes(const std::array<double, 2>& radius, const std::array<double, 2>& height,
+                 RayInterval& out) const;
 
   RingGrid grid_;
   Vec3 u_, v_, w_;
 };
 
-void RingUnknowns::set_node(RayNode& node, double radius, double height) const {
-  const int i = static_cast<int>(radius);
-  int j = static_cast<int>(height);
-  j -= height < j;
-  const double p = radius - i, q = height - j;
-  const bool inner = i < grid_.rings, outer = i + 1 < grid_.rings;
-  const bool low = j >= 0 && j < grid_.heights, high = j >= -1 && j + 1 < grid_.heights;
-  const int first = i * grid_.heights + j;
-  std::size_t count = 0;
-  const auto add = [&](bool inside, int sample, double weight) {
-    if (!inside || weight == 0) return;
-    node.sample[count] = static_cast<std::uint32_t>(sample);
-    node.weight[count++] = weight;
-  };
-  add(inner && low, first, (1 - p) * (1 - q));
-  add(outer && low, first + grid_.heights, p * (1 - q));
-  add(inner && high, first + 1, (1 - p) * q);
-  add(outer && high, first + grid_.heights + 1, p * q);
-  node.count = static_cast<int>(count);
+void RingUnknowns::set_nodes(const std::array<double, 2>& radius,
+                             const std::array<double, 2>& height, RayInterval& out) const {
+  const int i = static_cast<int>(0.5 * (radius[0] + radius[1]));
+  const int j = static_cast<int>(std::floor(0.5 * (height[0] + height[1])));
+  out.count = 4;
+  for (int c = 0; c < out.count; ++c) {
+    const int ring = i + (c & 1), level = j + (c >> 1);
+    if (ring >= grid_.rings || level < 0 || level >= grid_.heights) continue;
+    out.sample[c] = static_cast<std::uint32_t>(ring * grid_.heights + level);
+    for (std::size_t n = 0; n < 2; ++n) {
+      const double p = std::clamp(radius[n] - i, 0.0, 1.0);
+      const double q = std::clamp(height[n] - j, 0.0, 1.0);
+      out.weight[n][c] = ((c & 1) != 0 ? p : 1 - p) * (c >> 1 != 0 ? q : 1 - q);
+    }
+  }
 }
 
-void RingUnknowns::append(const Ray& ray, double t_near, double t_far,
-                          std::vector<RayInterval>& out) const {
+void RingUnknowns::append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const {
   const Vec3 from = ray.origin - grid_.base;
   const double x = dot(from, u_), y = dot(from, v_), z = dot(from, w_);
   const double dx = dot(ray.direction, u_), dy = dot(ray.direction, v_),
@@ -172,14 +168,13 @@ void RingUnknowns::append(const Ray& ray, double t_near, double t_far,
     const int parts = nearest + across * middle * middle < inner * inner ? kRingParts : 1;
     const double stretch = (to - at) / parts;
     for (int part = 0; part < parts && stretch > 0; ++part) {
-      RayInterval& interval = out.emplace_back();
-      interval.length = stretch;
+      std::array<double, 2> radius{}, height{};
       for (std::size_t n = 0; n < 2; ++n) {
         const double t = at + (part + kGaussNodes[n]) * stretch, way = t - closest;
-        const double radius = std::sqrt(nearest + across * way * way) * to_rings;
-        set_node(interval.node[n], std::min(radius, static_cast<double>(grid_.rings)),
-                 (z + t * dz) * to_heights);
+        radius[n] = std::sqrt(nearest + across * way * way) * to_rings;
+        height[n] = (z + t * dz) * to_heights;
       }
+      set_nodes(radius, height, out.add_empty(stretch));
     }
     if (!(at_height > to)) at_height = faces.next_height();
     if (!(at_ring > to)) at_ring = faces.next_ring();
@@ -196,9 +191,10 @@ VoxelField RingUnknowns::field(std::span<const double> values, const std::string
   map.translation = grid_.base - (half * step) * (u_ + v_);
   return sample_bricks({2 * half + 1, 2 * half + 1, grid_.heights}, map, name,
                        [&](int i, int j, int k) {
-                         RayNode node{};
-                         set_node(node, std::hypot(i - half, j - half), k);
-                         return node.value(values);
+                         const double radius = std::hypot(i - half, j - half), height = k;
+                         RayInterval place{};
+                         set_nodes({radius, radius}, {height, height}, place);
+                         return value_at(place, 0, values);
                        });
 }
 

@@ -39,8 +39,7 @@ class VoxelUnknowns : public Unknowns {
   }
   Vec3 place(std::size_t unknown) const override { return lattice().place(unknown); }
   double volume(std::size_t) const override { return volume_; }
-  void append(const Ray& ray, double t_near, double t_far,
-              std::vector<RayInterval>& out) const override {
+  void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override {
     walk_.append(ray, t_near, t_far, out);
   }
   VoxelField field(std::span<const double> values, const std::string& name) const override {

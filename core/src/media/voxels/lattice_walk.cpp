@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
-#include "media/voxels/voxel_kernel_weights.h"
+#include "base/isa_dispatch.h"
+#include "media/voxels/interval_kernel.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -21,7 +21,44 @@ Mat3 inverse_of(const Mat3& m) {
   return transpose({{{f * a, f * b, f * c}}});
 }
 
+struct IntervalKernels {
+  int (*cut_at_cells)(const KernelLattice&, const KernelLine&, RayInterval*);
+  void (*add_up_depths)(const RayInterval*, int, const double*, double, double*, double*);
+  void (*weigh_nodes)(bool, int, const KernelTransfers&);
+  void (*sum_nodes)(RayInterval*, int, double, const double*, const double*);
+};
+
+IntervalKernels interval_kernels() {
+  PLENOFLAME_DISPATCH(best_isa(), return {kernels::cut_at_cells, kernels::add_up_depths,
+                                          kernels::weigh_nodes, kernels::sum_nodes};)
+}
+
 }  // namespace
+
+RayInterval* RayIntervals::room(std::size_t count) {
+  if (size_ + count > capacity_) {
+    capacity_ = std::max(size_ + count, 2 * capacity_);
+    std::unique_ptr<RayInterval[]> larger(new RayInterval[capacity_]);
+    std::copy_n(all_.get(), size_, larger.get());
+    all_ = std::move(larger);
+  }
+  return all_.get() + size_;
+}
+
+RayInterval& RayIntervals::add_empty(double length) {
+  RayInterval& added = *room(1);
+  added = {};
+  added.length = length;
+  ++size_;
+  return added;
+}
+
+double value_at(const RayInterval& interval, std::size_t node, std::span<const double> samples) {
+  double sum = 0;
+  for (int c = 0; c < interval.count; ++c)
+    sum += interval.weight[node][c] * samples[interval.sample[c]];
+  return sum;
+}
 
 Vec3 RegularLattice::place(std::size_t sample) const {
   const auto ny = static_cast<std::size_t>(count[1]), nz = static_cast<std::size_t>(count[2]);
@@ -40,98 +77,51 @@ LatticeWalk::LatticeWalk(const RegularLattice& lattice)
   }
 }
 
-void LatticeWalk::set_node(const std::array<int, 3>& cell, const std::array<double, 3>& place,
-                           RayNode& node) const {
-  const std::array<int, 3>& count = lattice_.count;
-  const auto number = [&](int i, int j, int k) {
-    return static_cast<std::uint32_t>((i * count[1] + j) * count[2] + k);
-  };
-  if (lattice_.interpolation == VoxelInterpolation::constant) {
-    node.count = 1;
-    node.sample[0] = number(cell[0], cell[1], cell[2]);
-    node.weight[0] = 1;
-    return;
-  }
-  const double x[2]{1 - place[0], place[0]}, y[2]{1 - place[1], place[1]},
-      z[2]{1 - place[2], place[2]};
-  bool inside = true;
-  for (std::size_t a = 0; a < 3; ++a) inside = inside && cell[a] >= 0 && cell[a] + 1 < count[a];
-  std::size_t n = 0;
-  for (int corner = 0; corner < 8; ++corner) {
-    const int i = corner & 1, j = corner >> 1 & 1, k = corner >> 2;
-    const std::array<int, 3> at{cell[0] + i, cell[1] + j, cell[2] + k};
-    if (!inside)
-      if (at[0] < 0 || at[1] < 0 || at[2] < 0 || at[0] >= count[0] || at[1] >= count[1] ||
-          at[2] >= count[2])
-        continue;
-    node.sample[n] = number(at[0], at[1], at[2]);
-    node.weight[n++] = x[i] * y[j] * z[k];
-  }
-  node.count = static_cast<int>(n);
-}
-
-void LatticeWalk::append(const Ray& ray, double t_near, double t_far,
-                         std::vector<RayInterval>& out) const {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+void LatticeWalk::append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const {
   constexpr double kNoMovement = 1e-200;
+  const bool is_linear = lattice_.interpolation == VoxelInterpolation::trilinear;
   const Vec3 o = to_index_ * (ray.origin - lattice_.index_to_world.translation);
   const Vec3 d = to_index_ * ray.direction;
-  const double shift = lattice_.interpolation == VoxelInterpolation::constant ? 0.5 : 0;
-  const std::array<double, 3> origin{o.x + shift, o.y + shift, o.z + shift};
-  const std::array<double, 3> direction{d.x, d.y, d.z};
-  double from = t_near, to = t_far;
+  const double shift = is_linear ? 0 : 0.5;
+  KernelLine line{{o.x + shift, o.y + shift, o.z + shift}, {d.x, d.y, d.z}, t_near, t_far};
+  KernelLattice cells{};
+  cells.is_linear = is_linear;
+  const std::array<int, 3>& count = lattice_.count;
+  for (int c = 0; c < RayInterval::kCorners; ++c)
+    cells.corner[c] = ((c & 1) * count[1] + (c >> 1 & 1)) * count[2] + (c >> 2);
+  std::size_t most = 2;
   for (std::size_t a = 0; a < 3; ++a) {
-    if (!std::isfinite(origin[a]) || !std::isfinite(direction[a])) return;
-    if (std::fabs(direction[a]) < kNoMovement) {
-      if (origin[a] < low_[a] || origin[a] > high_[a]) return;
+    cells.count[a] = lattice_.count[a];
+    cells.low[a] = low_[a];
+    cells.high[a] = high_[a];
+    most += static_cast<std::size_t>(high_[a] - low_[a]);
+    if (!std::isfinite(line.origin[a]) || !std::isfinite(line.direction[a])) return;
+    if (std::fabs(line.direction[a]) < kNoMovement) {
+      if (line.origin[a] < low_[a] || line.origin[a] > high_[a]) return;
       continue;
     }
-    const double t0 = (low_[a] - origin[a]) / direction[a];
-    const double t1 = (high_[a] - origin[a]) / direction[a];
-    from = std::max(from, std::min(t0, t1));
-    to = std::min(to, std::max(t0, t1));
+    const double t0 = (low_[a] - line.origin[a]) / line.direction[a];
+    const double t1 = (high_[a] - line.origin[a]) / line.direction[a];
+    line.from = std::max(line.from, std::min(t0, t1));
+    line.to = std::min(line.to, std::max(t0, t1));
   }
-  if (!(to > from)) return;
-  std::array<int, 3> cell{};
-  std::array<double, 3> inverse{}, crossing{kNever, kNever, kNever};
-  const auto cross = [&](std::size_t a) {  // where the ray leaves its cell along an axis
-    crossing[a] = (cell[a] + (direction[a] > 0 ? 1 : 0) - origin[a]) * inverse[a];
-  };
-  for (std::size_t a = 0; a < 3; ++a) {
-    cell[a] = std::clamp(static_cast<int>(std::floor(origin[a] + from * direction[a])), low_[a],
-                         high_[a] - 1);
-    if (std::fabs(direction[a]) < kNoMovement) continue;
-    inverse[a] = 1 / direction[a];
-    cross(a);
-  }
-  for (double t = from; t < to;) {
-    const double next =
-        std::min(std::max(std::min({crossing[0], crossing[1], crossing[2]}), t), to);
-    if (next > t) {
-      RayInterval& interval = out.emplace_back();
-      interval.length = next - t;
-      for (std::size_t n = 0; n < 2; ++n) {
-        const double at = t + kGaussNodes[n] * (next - t);
-        std::array<double, 3> place{};
-        for (std::size_t a = 0; a < 3; ++a)
-          place[a] = std::clamp(origin[a] + at * direction[a] - cell[a], 0.0, 1.0);
-        set_node(cell, place, interval.node[n]);
-      }
-    }
-    t = next;
-    for (std::size_t a = 0; a < 3; ++a) {
-      if (crossing[a] > next) continue;
-      cell[a] += direction[a] > 0 ? 1 : -1;
-      if (cell[a] < low_[a] || cell[a] >= high_[a]) return;
-      cross(a);
-    }
-  }
+  if (!(line.to > line.from)) return;
+  const int added = interval_kernels().cut_at_cells(cells, line, out.room(most));
+  out.add(static_cast<std::size_t>(added));
 }
 
-IntervalTransfer interval_transfer(double tau0, double tau1) {
-  const auto thermal = PLENOFLAME_ISA::interval_weights(tau0, tau1);
-  const auto line = PLENOFLAME_ISA::line_weights(tau0, tau1);
-  return {thermal.transmittance, thermal.near, thermal.far, line.near, line.far};
+void IntervalTransfers::set(const RayIntervals& intervals, std::span<const double> absorption,
+                            double ratio, RowModel model) {
+  const std::size_t size = intervals.size();
+  for (std::vector<double>* array : {&near_depth, &far_depth, &transmittance, &near, &far})
+    array->resize(size);
+  const int count = static_cast<int>(size);
+  const IntervalKernels kernels = interval_kernels();
+  kernels.add_up_depths(intervals.data(), count, absorption.data(), ratio, near_depth.data(),
+                        far_depth.data());
+  kernels.weigh_nodes(
+      model == RowModel::emission, count,
+      {near_depth.data(), far_depth.data(), transmittance.data(), near.data(), far.data()});
 }
 
 namespace {
@@ -155,7 +145,7 @@ double tilt_slope(double tau) {
 }  // namespace
 
 TransferSlopes transfer_slopes(double tau0, double tau1) {
-  // far = E tau1 / tau - g D within 0 and E, near = E - far (interval_weights()).
+  // far = E tau1 / tau - g D within 0 and E, near = E - far (voxel_kernel_weights.h).
   constexpr double kHalfOverNodes = 0.86602540378443864676;
   const double tau = tau0 + tau1, passed = std::exp(-tau);
   if (!(tau > 0)) return {{1, 0}, {0, 1}};
@@ -177,31 +167,29 @@ TransferSlopes transfer_slopes(double tau0, double tau1) {
   return slopes;
 }
 
-double node_weights(std::span<const RayInterval> intervals, std::span<const double> absorption,
-                    RowModel model, std::vector<std::array<double, 2>>& weights) {
-  weights.resize(intervals.size());
+double node_weights(const RayIntervals& intervals, std::span<const double> absorption,
+                    RowModel model, IntervalTransfers& weights) {
+  if (absorption.empty()) {
+    weights.near.clear();
+    for (const RayInterval& interval : intervals)
+      weights.near.push_back(model == RowModel::emission ? 0.5 * interval.length : 0);
+    weights.far = weights.near;
+    return 1;
+  }
+  weights.set(intervals, absorption, 1, model);
   double passed = 1;
   for (std::size_t i = 0; i < intervals.size(); ++i) {
-    const RayInterval& interval = intervals[i];
-    if (absorption.empty()) {
-      const double half = model == RowModel::emission ? 0.5 * interval.length : 0;
-      weights[i] = {half, half};
-      continue;
-    }
-    const double half = 0.5 * interval.length;
-    const double tau0 = half * std::max(interval.node[0].value(absorption), 0.0);
-    const double tau1 = half * std::max(interval.node[1].value(absorption), 0.0);
-    const auto thermal = PLENOFLAME_ISA::interval_weights(tau0, tau1);
-    if (model == RowModel::emission) {
-      const auto line = PLENOFLAME_ISA::line_weights(tau0, tau1);
-      const double scale = passed * interval.length;
-      weights[i] = {scale * line.near, scale * line.far};
-    } else {
-      weights[i] = {passed * thermal.near, passed * thermal.far};
-    }
-    passed *= thermal.transmittance;
+    const double scale = model == RowModel::emission ? passed * intervals[i].length : passed;
+    weights.near[i] *= scale;
+    weights.far[i] *= scale;
+    passed *= weights.transmittance[i];
   }
   return passed;
+}
+
+void sum_nodes(double factor, const IntervalTransfers& weights, RayIntervals& intervals) {
+  interval_kernels().sum_nodes(intervals.data(), static_cast<int>(intervals.size()), factor,
+                               weights.near.data(), weights.far.data());
 }
 
 }  // namespace plenoflame

@@ -1,5 +1,5 @@
 // Weights of the light of an interval's two Gauss nodes at its front (docs/theory/emission.md).
-// Included once per instruction set, and by the scalar walk (lattice_walk.cpp).
+// Included once per instruction set.
 #pragma once
 
 #include "math/kernel_exp.h"

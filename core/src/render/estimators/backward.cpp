@@ -67,6 +67,11 @@ std::shared_ptr<const SobolPools> make_pools(const RenderSettings& settings,
   return pools;
 }
 
+/// Tells whether the medium alone lights rays, along their whole lines.
+bool takes_lines(const CompiledScene& scene, const PathLight& light) {
+  return !scene.windows && !light.surfaces && !light.scatter;
+}
+
 /// The plans of a range, one for each path.
 template <class Real>
 using PathPlans = std::vector<std::unique_ptr<const BackwardPlan<Real>>>;
@@ -202,8 +207,9 @@ BackwardPlan<Real> make_pass_plan(const CompiledScene& scene, const Medium& medi
     plan.blur->fill(plan.blur_of_pixels);
   }
   if (light.surfaces)
-    plan.surfaces = std::make_unique<BackwardSurfacePlan>(*light.surfaces, settings, range.first,
-                                                          plan.pools(), plan.anchor);
+    plan.surfaces =
+        std::make_unique<BackwardSurfacePlan>(*light.surfaces, settings, range.first, plan.pools());
+  plan.takes_lines = takes_lines(scene, light);
   return plan;
 }
 template BackwardPlan<float> make_pass_plan<float>(const CompiledScene&, const Medium&,
@@ -255,24 +261,18 @@ bool in_single_precision(const CompiledScene& scene, const RenderSettings& setti
 }
 
 /// The radiance table for a scene; nullptr if the settings exclude it or if it would not save time.
-/// @param behind_windows nullptr: no windows are in front of the medium, or they are not supported
 std::unique_ptr<RadianceTable> make_radiance_table(const CompiledScene& scene,
                                                    const RenderSettings& settings,
-                                                   const Medium* behind_windows) {
+                                                   const PathShared& shared) {
   if (!settings.control_variate || !in_single_precision(scene, settings)) return nullptr;
-  // The table describes infinite lines, which surfaces cut. Windows bend lines, unless the medium
-  // takes them into account.
-  if (!scene.medium || scene.surfaces || (scene.windows && !behind_windows) ||
-      !scene.lights.environment.empty())
-    return nullptr;
+  if (!scene.medium || !shared.takes_lines) return nullptr;  // the table describes whole lines
   if (!scene.part_mixes.empty()) return nullptr;  // the table ignores where rays cross the stop
-  if (!scene.scatterers.empty()) return nullptr;  // walks take far longer than a table could save
   const Box box = scene.medium->bounds();
   MediumOptions options;
   options.isa = settings.isa;
   options.skip = settings.skip;
   const Vec3 anchor = 0.5 * (box.lower + box.upper);
-  const Medium& medium = behind_windows ? *behind_windows : *scene.medium;
+  const Medium& medium = shared.behind_windows ? *shared.behind_windows : *scene.medium;
   if (scene.mix.empty()) return RadianceTable::make(scene.camera, medium, anchor, options);
   // The table holds channels, also if quadrature wavelengths represent them.
   auto sum = std::make_unique<ChannelSum>(medium, scene.mix);
@@ -289,8 +289,9 @@ BackwardShared::BackwardShared(const CompiledScene& scene, const RenderSettings&
     PathShared& shared = paths.emplace_back();
     if (settings.skip && has_content(path)) shared.beams = SceneBeams::make(path);
     shared.behind_windows = MediumBehindWindows::make(path);
-    shared.table = make_radiance_table(path, settings, shared.behind_windows.get());
     shared.light = PathLight(path, settings, execution);
+    shared.takes_lines = shared.behind_windows || takes_lines(path, shared.light);
+    shared.table = make_radiance_table(path, settings, shared);
   }
 }
 
@@ -314,7 +315,7 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
     auto plan = std::make_unique<BackwardPlan<Real>>(
         make_pass_plan<Real>(scene.paths()[p], bending ? *bending : media_[p]->get(), settings,
                              ranges[range], of_path.light, pools[range]));
-    plan->medium_bends = bending != nullptr;
+    plan->takes_lines = of_path.takes_lines;
     if constexpr (std::is_same_v<Real, float>) plan->table = of_path.table.get();
     plan->beams = of_path.beams.get();
     plans[range][p] = std::move(plan);

@@ -25,9 +25,10 @@ struct PathShared {
   /// Replaces a medium that only windows separate from the camera. nullptr: there is no such
   /// medium, or its windows are not supported.
   std::unique_ptr<const MediumBehindWindows> behind_windows;
+  PathLight light;
+  bool takes_lines = false;  ///< BackwardPlan::takes_lines
   /// Replaces the medium where it is smooth (single precision only); may be nullptr.
   std::unique_ptr<RadianceTable> table;
-  PathLight light;
 };
 
 /// The shared data of all spectral paths of a scene (CompiledScene::paths()).

@@ -72,8 +72,7 @@ SurfaceBundles::SurfaceBundles(const CompiledScene& scene, const RenderSettings&
     centre_ = 0.5 * (lit->lower + lit->upper);
     radius_ = 0.5 * length(lit->upper - lit->lower) * (1 + 1e-9);
   }
-  if (scene.windows)
-    window_aim_ = std::make_unique<WindowAim>(scene.camera, *scene.windows, centre_, radius_);
+  aim_ = std::make_unique<CameraAim>(scene, centre_, radius_);
   endless_ = std::make_unique<EndlessPlanes>(scene, centre_, radius_, field_versine_);
 }
 
@@ -309,8 +308,7 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
   const Vec3 origin = to_camera_.point(bundle.ray.origin);
   if (!cone_.in_front(origin)) return;
   const double u = number(bundle.index, block, 0), v = number(bundle.index, block, 1);
-  const ApertureCone::Direction way =
-      window_aim_ ? window_aim_->draw(origin, u, v) : cone_.draw(origin, u, v);
+  const ApertureCone::Direction way = aim_->draw(origin, u, v);
   if (!(way.solid_angle > 0)) return;
   const Vec3 direction = scene_.camera.to_world().direction(way.direction);
   double share = has_normal ? dot(bundle.normal, direction) : 1;
@@ -319,8 +317,7 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
   if (!(share > 0)) return;
   const std::size_t first_way = work.ways.size();
   double passed = 1;
-  if (!find_way({bundle.ray.origin, direction}, origin, way.direction, bundle.from, passed, work))
-    return;
+  if (!find_way({bundle.ray.origin, direction}, bundle.from, passed, work)) return;
   for (std::size_t k = 0; k < work.arrivals.size(); ++k) {
     const Camera::Arrival& arrival = work.arrivals[k];
     const auto pixel = pixels_.find(arrival.sensor_point, bundle.index, kMostArrivals * block + k,
@@ -334,25 +331,15 @@ void SurfaceBundles::send_to_camera(const Bundle& bundle, bool has_normal, doubl
 }
 
 /// Follows light to the camera and into it: fills work.arrivals, and appends to work.ways.
-/// @param ray in the world, from @param from @param origin, direction the same for the camera
-/// @param passed transmittance of the windows @return false when nothing arrives
-bool SurfaceBundles::find_way(const Ray& ray, const Vec3& origin, Vec3 direction, SurfacePart from,
-                              double& passed, Work& work) const {
+/// @param ray in the world, from @param from @param passed transmittance of the windows
+/// @return false when nothing arrives
+bool SurfaceBundles::find_way(const Ray& ray, SurfacePart from, double& passed, Work& work) const {
   work.arrivals.clear();
-  if (!window_aim_) {
-    scene_.camera.trace_from_scene({origin, direction}, work.arrivals);
-    if (work.arrivals.empty()) return false;
-    const double end = cone_.distance_to_front(origin, direction);
-    if (scene_.surfaces && scene_.surfaces->occluded(ray, 0, end, from)) return false;
-    work.ways.push_back(ray);
-    work.ends.push_back(end);
-    return true;
-  }
   Ray arriving;
-  if (!window_aim_->follow(ray, work.window_path, arriving)) return false;
+  if (!aim_->follow(ray, work.path, arriving)) return false;
   scene_.camera.trace_from_scene(arriving, work.arrivals);
   if (work.arrivals.empty()) return false;
-  const std::vector<AirSegment>& segments = work.window_path.segments;
+  const std::vector<AirSegment>& segments = work.path.segments;
   for (std::size_t k = 0; scene_.surfaces && k < segments.size(); ++k)
     if (scene_.surfaces->occluded(segments[k].ray, 0, segments[k].far,
                                   k == 0 ? from : SurfacePart{}))

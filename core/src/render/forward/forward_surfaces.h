@@ -9,9 +9,9 @@
 #include "plenoflame/render/render.h"
 #include "render/forward/forward_chunk.h"
 #include "render/forward/forward_pixels.h"
+#include "render/transport/camera_aim.h"
 #include "render/transport/emission_proposal.h"
 #include "render/transport/medium_segments.h"
-#include "render/transport/window_aim.h"
 #include "render/visibility/aperture_cone.h"
 #include "render/visibility/endless_planes.h"
 
@@ -89,8 +89,7 @@ class SurfaceBundles : public BundleSource {
   /// phase function
   void send_to_camera(const Bundle& bundle, bool has_normal, double factor, std::uint64_t block,
                       Work& work, ForwardChunk& chunk) const;
-  bool find_way(const Ray& ray, const Vec3& origin, Vec3 direction, SurfacePart from,
-                double& passed, Work& work) const;
+  bool find_way(const Ray& ray, SurfacePart from, double& passed, Work& work) const;
   void deposit(Work& work, ForwardChunk& chunk) const;
   double number(std::int64_t bundle, std::uint64_t block, std::size_t word) const;
 
@@ -108,8 +107,8 @@ class SurfaceBundles : public BundleSource {
   double radius_ = 0;  ///< [m]
   std::unique_ptr<EndlessPlanes> endless_;
   std::unique_ptr<const MajorantGrid> majorants_;  ///< nullptr: nothing scatters
-  std::unique_ptr<const WindowAim> window_aim_;    ///< nullptr: there are no windows
-  double field_versine_ = 0;                       ///< 1 - cos of the largest angle of the field
+  std::unique_ptr<const CameraAim> aim_;
+  double field_versine_ = 0;  ///< 1 - cos of the largest angle of the field
 };
 
 }  // namespace plenoflame

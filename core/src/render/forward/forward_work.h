@@ -21,7 +21,7 @@ struct SurfaceBundles::Work {
   std::vector<Arrived> arrived;
   std::vector<Ray> ways;     ///< stretches in air of the arrivals, from their last event
   std::vector<double> ends;  ///< [m] ends of these stretches
-  WindowPath window_path;
+  WindowPath path;
 };
 
 }  // namespace plenoflame

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "media/voxels/cell_sampling.h"
@@ -13,8 +14,7 @@
 #include "plenoflame/base/part.h"
 #include "plenoflame/math/ray_span.h"
 #include "plenoflame/scene/spectral.h"
-#include "render/transport/window_ways.h"
-#include "render/visibility/camera_front.h"
+#include "render/transport/world_paths.h"
 #include "render/visibility/scene_beams.h"
 
 namespace plenoflame {
@@ -221,28 +221,21 @@ struct PixelTruth {
   double light = 0, moment = 0, heat = 0;  ///< radiance; weighted by distance; by temperature
 };
 
-/// The truth of a ray that windows bend, evaluated stretch by stretch at its true position behind
-/// the windows.
-PixelTruth through_windows(const CompiledScene& scene, const Ray& world, const CameraFront& front,
-                           const FirstChannel& channel, Work& work) {
+/// The truth of a ray, evaluated stretch by stretch at its true position behind windows.
+PixelTruth truth_along(const CompiledScene& scene, const Ray& world, const FirstChannel& channel,
+                       WorldPaths& paths, Work& work) {
   PixelTruth truth;
-  WindowWays ways;
-  WindowPath path;
-  ways.clear(1);
-  ways.add(0, *scene.windows, {world.at(front.t_near(world)), world.direction}, path);
-  WindowWays::Way& way = ways.ways.front();
+  const WorldPath& path = paths.trace(world);
+  const std::span<const AirSegment> stretches = paths.stretches(path);
   const RigidTransform to_camera = scene.camera.to_world().inverse();
   const auto along_axis = [&](const Ray& ray, double t) { return to_camera.point(ray.at(t)).z; };
-  SurfaceHit hit;
-  if (scene.surfaces)
-    if (const AirSegment* last = cut_at_surface(*scene.surfaces, ways, way, hit)) {
-      truth.surface = hit.where.surface;
-      truth.surface_distance = along_axis(last->ray, hit.t);
-    }
+  if (path.hit >= 0) {
+    truth.surface = paths.hit(path).where.surface;
+    truth.surface_distance = along_axis(stretches.back().ray, stretches.back().far);
+  }
   if (!scene.medium) return truth;
   std::vector<double> depths;
-  for (std::size_t k = 0; k < way.count; ++k) {
-    const AirSegment& segment = ways.segments[way.first + k];
+  for (const AirSegment& segment : stretches) {
     const MediumTruth part =
         through_medium(*scene.medium, segment.ray, segment.far, channel, work, depths);
     depths = part.depths;
@@ -303,7 +296,6 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
     progress.fraction = static_cast<double>(++ended) / window.height;
     execution.progress(progress);
   };
-  const CameraFront front(scene.camera);
   const auto set = [&](int column, int row, const PixelTruth& pixel) {
     if (pixel.surface >= 0) {
       surface.at(column, row) = static_cast<float>(pixel.surface + 1);
@@ -324,34 +316,13 @@ void add_ground_truth(const CompiledScene& scene, LightField& light_field,
         Work work;
         work.cells = dynamic_cast<const CellSampling*>(scene.medium.get());
         ChiefRays rays(scene.camera, beams.get());
+        WorldPaths paths(scene);
         for (int column = 0; column < window.width; ++column) {
           if (!part.is_whole() && !is_wanted(column, row)) continue;
           const std::optional<Ray> ray = rays(window.x + column, window.y + row);
           if (!ray) continue;
           const Ray world{to_world.point(ray->origin), to_world.direction(ray->direction)};
-          if (scene.windows) {
-            set(column, row, through_windows(scene, world, front, channel, work));
-            continue;
-          }
-          const auto along_axis = [&](double t) {
-            return static_cast<float>(ray->origin.z + t * ray->direction.z);
-          };
-          SurfaceHit hit;
-          hit.t = kInfinity;
-          if (scene.surfaces && scene.surfaces->intersect(world, 0, kInfinity, {}, hit)) {
-            surface.at(column, row) = static_cast<float>(hit.where.surface + 1);
-            surface_distance.at(column, row) = along_axis(hit.t);
-            distance.at(column, row) = along_axis(hit.t);
-          }
-          if (!scene.medium) continue;
-          const MediumTruth truth = through_medium(*scene.medium, world, hit.t, channel, work);
-          if (!truth.hit) continue;
-          optical_depth.at(column, row) = static_cast<float>(truth.optical_depth);
-          first.at(column, row) = along_axis(truth.first);
-          last.at(column, row) = along_axis(truth.last);
-          if (!(truth.radiance > 0)) continue;
-          distance.at(column, row) = along_axis(truth.moment / truth.radiance);
-          temperature.at(column, row) = static_cast<float>(truth.heat / truth.radiance);
+          set(column, row, truth_along(scene, world, channel, paths, work));
         }
         tell();
       });

@@ -1,9 +1,7 @@
 #include "render/paths/ray_path_tracer.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 
 #include "plenoflame/math/ray_span.h"
 #include "render/transport/medium_segments.h"
@@ -39,11 +37,9 @@ PathTracer::PathTracer(const CompiledScene& scene, const Medium& medium)
       surfaces_(scene.surfaces.get()),
       box_(medium.bounds()),
       windows_(scene.windows.get()),
-      front_(scene.camera) {
+      empty_(scene),
+      aim_(scene, 0.5 * (box_.lower + box_.upper), 0.5 * length(box_.upper - box_.lower)) {
   const Camera& camera = camera_;
-  if (windows_)
-    aim_.emplace(camera, *windows_, 0.5 * (box_.lower + box_.upper),
-                 0.5 * length(box_.upper - box_.lower));
   steps_.push_back(kSensorVertex);
   lens_surfaces_ =
       camera.surface_count() - (camera.has_array() ? (camera.ideal_array() ? 1 : 2) : 0);
@@ -86,8 +82,8 @@ void PathTracer::add_flames(const Ray& ray, double from, double to, bool beside,
   }
 }
 
-void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPath& ray,
-                     RayPaths& paths) const {
+std::optional<Ray> PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim,
+                                   RayPath& ray, RayPaths& paths) const {
   const Camera::Path path = camera_.trace(start, lens, aim, true);
   ray.status = path.status;
   ray.pupil_part = path.pupil_part;
@@ -105,28 +101,29 @@ void PathTracer::add(Vec2 start, std::optional<LensIndex> lens, Vec2 aim, RayPat
     vertices.push(camera_.to_world().point(path.points[i]), step,
                   index_behind(step, ray.type, true));
   }
+  std::optional<Ray> exit;
   if (path.status.status == RayStatus::reached) {
-    const Ray exit{camera_.to_world().point(path.exit.origin),
-                   camera_.to_world().direction(path.exit.direction)};
-    if (windows_) {
-      add_to_scene(exit, ray, paths, vertices);
-      vertices.finish();
-      return;
-    }
-    constexpr double kInf = std::numeric_limits<double>::infinity();
-    SurfaceHit hit;
-    const bool ends = surfaces_ && surfaces_->intersect(exit, 0, kInf, {}, hit);
-    add_flames(exit, 0, ends ? hit.t : kInf, !ends, vertices, paths.flame_samples);
-    if (ends) {
-      ray.solid = hit.where.surface;
-      vertices.push(exit.at(hit.t), kSolidVertex, 1, medium_.sample(exit.at(hit.t)));
+    exit = {camera_.to_world().point(path.exit.origin),
+            camera_.to_world().direction(path.exit.direction)};
+    WorldPaths world = empty_;
+    const WorldPath& way = world.trace(*exit);
+    const std::span<const AirSegment> stretches = world.stretches(way);
+    const AirSegment& last = stretches.back();
+    add_stretches(stretches, way.open, paths.flame_samples, vertices);
+    if (way.hit >= 0) {
+      ray.solid = world.hit(way).where.surface;
+      const Vec3 place = last.ray.at(last.far);
+      vertices.push(place, kSolidVertex, 1, medium_.sample(place));
+    } else if (!way.open && length(world.stop() - last.ray.at(last.far)) > 0) {
+      vertices.push(world.stop(), kWindowVertex, 1);
     }
   }
   vertices.finish();
+  return exit;
 }
 
 /// Adds stretches in air and the faces of windows between them.
-void PathTracer::add_stretches(const std::vector<AirSegment>& segments, bool beside, int samples,
+void PathTracer::add_stretches(std::span<const AirSegment> segments, bool beside, int samples,
                                Vertices& vertices) const {
   for (std::size_t k = 0; k < segments.size(); ++k) {
     const AirSegment& segment = segments[k];
@@ -137,35 +134,12 @@ void PathTracer::add_stretches(const std::vector<AirSegment>& segments, bool bes
   }
 }
 
-/// Follows a ray from the camera through windows.
-void PathTracer::add_to_scene(const Ray& exit, RayPath& ray, RayPaths& paths,
-                              Vertices& vertices) const {
-  WindowWays ways;
-  WindowPath path;
-  ways.clear(1);
-  ways.add(0, *windows_, {exit.at(front_.t_near(exit)), exit.direction}, path);
-  WindowWays::Way& way = ways.ways.front();
-  SurfaceHit hit;
-  const bool ends = surfaces_ && cut_at_surface(*surfaces_, ways, way, hit);
-  ways.segments.resize(way.count);
-  add_stretches(ways.segments, way.open, paths.flame_samples, vertices);
-  if (ends) {
-    ray.solid = hit.where.surface;
-    const Vec3 place = ways.segments.back().ray.at(hit.t);
-    vertices.push(place, kSolidVertex, 1, medium_.sample(place));
-  } else if (path.stopped &&
-             length(path.stop - ways.segments.back().ray.at(ways.segments.back().far)) > 0) {
-    vertices.push(path.stop, kWindowVertex, 1);
-  }
-}
-
 void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) const {
-  const RigidTransform to_camera = camera_.to_world().inverse();
   std::vector<Camera::Arrival> arrivals;
   std::vector<Vec3> points;
-  Ray arriving{to_camera.point(from.origin), to_camera.direction(from.direction)};
+  Ray arriving;
   WindowPath way;
-  if (aim_ && !aim_->follow(from, way, arriving)) {
+  if (!aim_.follow(from, way, arriving)) {
     ray.status = {RayStatus::missed, -1};
     ray.column = ray.row = -1;
     Vertices vertices(ray, paths);
@@ -175,7 +149,6 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
     vertices.finish();
     return;
   }
-  if (!aim_) way.segments = {{from, 0, 1, -1}};
   ray.status = camera_.trace_from_scene(arriving, arrivals, &points);
   if (ray.status.status == RayStatus::missed) points.pop_back();
   ray.column = ray.row = -1;
@@ -245,43 +218,7 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
   vertices.finish();
 }
 
-std::vector<double> carried_by(const Medium& medium, const Ray& ray, double from, double to) {
-  const Box box = medium.bounds();
-  RayBatch<double> batch;
-  batch.size = kRayPadding;
-  batch.anchor = 0.5 * (box.lower + box.upper);
-  const Vec3 at = ray.origin - batch.anchor;
-  // A batch has at least 16 rays, so this ray is repeated.
-  alignas(64) std::array<std::array<double, kRayPadding>, 8> lines{};
-  const std::array<double, 8> values{
-      at.x, at.y, at.z, ray.direction.x, ray.direction.y, ray.direction.z, from, to};
-  for (std::size_t k = 0; k < values.size(); ++k) lines[k].fill(values[k]);
-  batch.x = lines[0].data();
-  batch.y = lines[1].data();
-  batch.z = lines[2].data();
-  batch.dx = lines[3].data();
-  batch.dy = lines[4].data();
-  batch.dz = lines[5].data();
-  if (std::isfinite(from)) batch.t_near = lines[6].data();
-  if (std::isfinite(to)) batch.t_far = lines[7].data();
-  struct alignas(64) Lane {
-    std::array<double, kRayPadding> values;
-  };
-  const auto channels = static_cast<std::size_t>(medium.channel_count());
-  std::vector<Lane> lanes(channels + 1);
-  RadianceBatch<double> out;
-  out.radiance = lanes[0].values.data();
-  out.stride = kRayPadding;
-  out.transmittance = lanes[channels].values.data();
-  MediumCounters counters;
-  medium.integrate(batch, {}, out, counters);
-  std::vector<double> carried;
-  for (std::size_t c = 0; c < channels; ++c) carried.push_back(lanes[c].values[0]);
-  carried.push_back(std::fabs(std::log(lanes[channels].values[0])));
-  return carried;
-}
-
-CarriedLight carried_through_windows(const Medium& medium, std::span<const AirSegment> stretches) {
+CarriedLight carried_along(const Medium& medium, std::span<const AirSegment> stretches) {
   MediumSegments segments(&medium, {});
   for (const AirSegment& stretch : stretches) segments.add(stretch.ray, stretch.far);
   MediumCounters counters;

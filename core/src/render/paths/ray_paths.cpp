@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <numbers>
 #include <optional>
@@ -20,9 +19,9 @@
 #include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
 #include "render/transport/channel_sum.h"
-#include "render/transport/medium_segments.h"
 #include "render/transport/scene_medium.h"
 #include "render/transport/surface_light.h"
+#include "render/transport/world_paths.h"
 
 namespace plenoflame {
 namespace {
@@ -117,14 +116,11 @@ void to_channels(const CompiledScene& scene, int pupil_part, std::vector<double>
   carried.resize(scene.scene.channels.size() + 1);
 }
 
-/// Light of surfaces and surroundings behind the flames along single rays, and light that the
-/// flames scatter.
-class LightBehind {
+/// Light of flames, surfaces and surroundings along single rays.
+class LightAlong {
  public:
-  explicit LightBehind(const CompiledScene& scene)
-      : scene_(scene),
-        nodes_(static_cast<std::size_t>(scene.node_count())),
-        segments_(scene.medium.get(), {}) {
+  explicit LightAlong(const CompiledScene& scene)
+      : scene_(scene), nodes_(static_cast<std::size_t>(scene.node_count())), paths_(scene) {
     if (scene.surfaces) {
       plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
       light_ = std::make_unique<SurfaceLight>(*plan_);
@@ -133,64 +129,32 @@ class LightBehind {
     if (scatter_) walk_ = std::make_unique<ScatterWalk>(*scatter_);
   }
 
-  /// @param line its origin is the ray's last vertex @param before a vertex ahead of it
-  /// @param number of the ray
-  /// @param carried radiance of the nodes, to which the light is added, then the optical thickness
-  /// of the flames in front
-  void add(const Ray& line, Vec3 before, std::size_t number, const RayPath& ray,
-           std::vector<double>& carried) {
-    std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
-    if (ray.solid >= 0) {
-      SurfaceHit hit;
-      const double back = length(line.origin - before);
-      if (!scene_.surfaces->intersect({before, line.direction}, 0.5 * back, 1.5 * back, {}, hit))
-        return;
-      send_back(hit, number, radiance);
-    } else {
-      const std::vector<double>& environment = scene_.lights.environment;
-      for (std::size_t n = 0; n < environment.size(); ++n) radiance[n][0] = environment[n];
-    }
-    // The transmittance of the flames in front may depend on the wavelength.
-    MediumCounters counters;
-    segments_.clear();
-    segments_.add({before, line.direction},
-                  ray.solid >= 0 ? length(line.origin - before) : kInfinity);
-    segments_.integrate(false, counters);
-    for (std::size_t n = 0; n < nodes_; ++n)
-      carried[n] += segments_.transmittance(0, n) * radiance[n][0];
-    if (walk_) add_scattered(line, number, ray.solid >= 0, carried);
-  }
-
-  /// Adds all light along a ray through windows. @param exit the ray at the front of the camera
-  void add_through_windows(const Medium& medium, const Ray& exit, std::size_t number,
-                           std::vector<double>& carried) {
-    WindowWays ways;
-    WindowPath path;
-    ways.clear(1);
-    ways.add(0, *scene_.windows, exit, path);
-    WindowWays::Way& way = ways.ways.front();
+  /// All light along a ray: radiances of the nodes, then the optical thickness.
+  /// @param exit the ray as it leaves the camera @param number of the ray
+  std::vector<double> along(const Medium& medium, const Ray& exit, std::size_t number) {
+    const WorldPath& path = paths_.trace(exit);
     std::vector<std::vector<double>> behind(nodes_, std::vector<double>(1));
-    SurfaceHit hit;
-    if (scene_.surfaces && cut_at_surface(*scene_.surfaces, ways, way, hit)) {
-      send_back(hit, number, behind);
-    } else if (way.open) {
+    if (path.hit >= 0) {
+      send_back(paths_.hit(path), number, behind);
+    } else if (path.open) {
       const std::vector<double>& environment = scene_.lights.environment;
       for (std::size_t n = 0; n < environment.size(); ++n) behind[n][0] = environment[n];
     }
-    const std::span<const AirSegment> stretches(ways.segments.data(), way.count);
-    const CarriedLight light = carried_through_windows(medium, stretches);
-    carried = light.radiance;
+    const std::span<const AirSegment> stretches = paths_.stretches(path);
+    const CarriedLight light = carried_along(medium, stretches);
+    std::vector<double> carried = light.radiance;
     for (std::size_t n = 0; n < nodes_; ++n)
       carried[n] += stretches.back().throughput * light.passed.back()[n] * behind[n][0];
     for (std::size_t k = 0; walk_ && k < stretches.size(); ++k) {
       std::vector<std::vector<double>> scattered(nodes_, std::vector<double>(1));
       MediumCounters counters;
-      walk_->add({{0, stretches[k].ray, mix64(~number + k), stretches[k].far}}, scattered,
+      walk_->add({{0, stretches[k].ray, mix64(~number + k), stretches[k].far, 0, 0}}, scattered,
                  counters);
       for (std::size_t n = 0; n < nodes_; ++n)
         carried[n] += stretches[k].throughput * light.passed[k][n] * scattered[n][0];
     }
     carried.push_back(std::fabs(std::log(light.passed.back()[0])));
+    return carried;
   }
 
  private:
@@ -211,16 +175,9 @@ class LightBehind {
       light_->add(paths, first, radiance, counters);
   }
 
-  void add_scattered(const Ray& line, std::size_t number, bool ends, std::vector<double>& carried) {
-    std::vector<std::vector<double>> radiance(nodes_, std::vector<double>(1));
-    MediumCounters counters;
-    walk_->add({{0, line, mix64(~number), ends ? 0 : kInfinity}}, radiance, counters);
-    for (std::size_t n = 0; n < nodes_; ++n) carried[n] += radiance[n][0];
-  }
-
   const CompiledScene& scene_;
   std::size_t nodes_;
-  MediumSegments segments_;
+  WorldPaths paths_;
   std::unique_ptr<SurfaceLightPlan> plan_;
   std::unique_ptr<SurfaceLight> light_;
   std::unique_ptr<const ScatterPlan> scatter_;
@@ -309,23 +266,26 @@ void trace_pixels(const CompiledScene& scene, const RenderSettings& settings,
   for (RayPaths& part : parts) join(part, paths);
 }
 
-/// Radiance of each node that the flames send along an object's ray through windows, followed by
-/// the optical thickness.
+/// Radiance of each node that the flames send along an object's ray, followed by the optical
+/// thickness.
+/// @param sent the ray as it leaves the object
 /// @param front number of the vertex on the camera's first surface
-std::vector<double> carried_back(const CompiledScene& scene, const Medium& medium,
+std::vector<double> carried_back(const CompiledScene& scene, const Medium& medium, const Ray& sent,
                                  const RayPaths& paths, std::size_t front) {
   const RayPath& ray = paths.rays.back();
   const Vec3 from = paths.vertices[front].position;
-  const Ray back{from, normalize(paths.vertices[front - 1].position - from)};
   std::size_t faces = 0;
   for (std::size_t k = ray.first; k < front; ++k)
     faces += paths.vertices[k].surface == kWindowVertex;
+  // A straight ray keeps its line, although distortion bends it in the entrance pupil.
+  Ray back{sent.at(length(from - sent.origin)), -sent.direction};
+  if (faces > 0) back = {from, normalize(paths.vertices[front - 1].position - from)};
   WindowPath path;
-  scene.windows->trace(back, path);
+  trace_from(scene, back, path);
   path.segments.resize(std::min(path.segments.size(), faces / 2 + 1));
   AirSegment& last = path.segments.back();
-  last.far = length(paths.vertices[ray.first].position - last.ray.origin);
-  const CarriedLight light = carried_through_windows(medium, path.segments);
+  last.far = length(sent.origin - last.ray.origin);
+  const CarriedLight light = carried_along(medium, path.segments);
   std::vector<double> carried = light.radiance;
   carried.push_back(std::fabs(std::log(light.passed.back()[0])));
   return carried;
@@ -425,13 +385,7 @@ void add_object_rays(const CompiledScene& scene, Vec3 point, int count, RayPaths
       // The light is that seen from the camera's first surface.
       std::size_t k = added.first;
       while (paths.vertices[k].surface != 0 && k + 1 < added.first + added.count) ++k;
-      Vec3 front = paths.vertices[k].position;
-      // Distortion bends rays in the entrance pupil and not at the lens' first surface.
-      if (camera.distortion().present()) front = point + length(front - point) * ray.direction;
-      if (scene.windows)
-        carried = carried_back(scene, medium.get(), paths, k);
-      else
-        carried = carried_by(medium.get(), {front, -ray.direction}, 0, length(point - front));
+      carried = carried_back(scene, medium.get(), ray, paths, k);
       to_channels(scene, added.pupil_part, carried);
     }
     paths.rays.back().optical_thickness = carried.back();
@@ -452,8 +406,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   for (const PupilTable& table : scene.pupils.tables())
     for (const PupilNode& node : table.nodes) reach = std::max(reach, std::fabs(node.centre));
   const Vec2 corner{half_x + reach, half_y + reach};
-  LightBehind behind(scene);
-  const CameraFront camera_front(camera);
+  LightAlong light(scene);
   std::optional<MicroImages> images;
   if (camera.misaligned()) images.emplace(camera, false);
   for (const LensIndex lens : camera.lattice().within(-1.0 * corner, corner)) {
@@ -477,27 +430,11 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     if (std::fabs(start.x) >= half_x || std::fabs(start.y) >= half_y) continue;
     ray.column = static_cast<int>(std::floor((half_x - start.x) / pixel.x));
     ray.row = static_cast<int>(std::floor((half_y - start.y) / pixel.y));
-    tracer.add(start, lens, place, ray, paths);
+    const std::optional<Ray> exit = tracer.add(start, lens, place, ray, paths);
     RayPath& added = paths.rays.back();
     paths.radiance.resize(paths.rays.size() * paths.channels.size(), 0.0);
-    if (added.status.status != RayStatus::reached || added.count < 2) continue;
-    const RayVertex& last = paths.vertices[added.first + added.count - 1];
-    const RayVertex& before = paths.vertices[added.first + added.count - 2];
-    const Ray line{last.position, normalize(last.position - before.position)};
-    const double infinite = std::numeric_limits<double>::infinity();
-    std::vector<double> carried;
-    // The vertex on the camera's first surface, which is far from the hit.
-    std::size_t front = added.first;
-    while (paths.vertices[front].surface != 0 && front + 2 < added.first + added.count) ++front;
-    const Vec3 first = paths.vertices[front].position;
-    if (scene.windows) {
-      const Ray exit{first, normalize(paths.vertices[front + 1].position - first)};
-      behind.add_through_windows(medium.get(), {exit.at(camera_front.t_near(exit)), exit.direction},
-                                 paths.rays.size() - 1, carried);
-    } else {
-      carried = carried_by(medium.get(), line, -infinite, added.solid >= 0 ? 0 : infinite);
-      behind.add(line, first, paths.rays.size() - 1, added, carried);
-    }
+    if (!exit) continue;
+    std::vector<double> carried = light.along(medium.get(), *exit, paths.rays.size() - 1);
     to_channels(scene, added.pupil_part, carried);
     added.optical_thickness = carried.back();
     std::copy(carried.begin(), carried.end() - 1,

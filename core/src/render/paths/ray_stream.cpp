@@ -13,9 +13,9 @@
 #include "plenoflame/base/error.h"
 #include "render/run/check_settings.h"
 #include "render/run/run_control.h"
+#include "render/tracer/path_integrator.h"
 #include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
-#include "render/tracer/window_integrator.h"
 #include "render/transport/channel_sum.h"
 #include "render/transport/scene_medium.h"
 #include "render/transport/surface_light.h"
@@ -40,14 +40,14 @@ struct StreamPath {
              const Execution& execution, RayStreamContent content, const std::vector<Box>& region,
              std::shared_ptr<const SobolPools> pools)
       : scene(path_scene), medium(scene), front(scene.camera) {
-    if (settings.skip && !region.empty()) {
-      if (!scene.windows) beams = std::make_unique<const SceneBeams>(scene, region);
-    } else if (settings.skip && has_content(scene)) {
+    // To find how far windows displace rays takes as long as the rays of some tiles.
+    const PixelWindow window = window_of(settings, scene.scene.camera.sensor);
+    const bool is_small = window.width <= 2 * Film::kTile && window.height <= 2 * Film::kTile;
+    if (settings.skip && !region.empty() && !(scene.windows && is_small))
+      beams = SceneBeams::make(scene, region);
+    else if (settings.skip && region.empty() && has_content(scene))
       beams = SceneBeams::make(scene);
-    }
-    if (content == RayStreamContent::radiance) {
-      light = PathLight(scene, settings, execution);
-    }
+    if (content == RayStreamContent::radiance) light = PathLight(scene, settings, execution);
     plan = make_pass_plan<Real>(scene, medium.get(), settings, {0, samples_per_replicate(settings)},
                                 light, std::move(pools));
     plan.beams = beams.get();
@@ -63,6 +63,40 @@ struct StreamPath {
   BackwardPlan<Real> plan;
 };
 
+/// Arrays of a block, except for the rays' lines and light.
+template <class Real>
+struct RayFacts {
+  std::vector<int> columns = std::vector<int>(kBlockRays), rows = columns, replicates = columns,
+                   types = columns, pupil_parts = columns;
+  std::vector<LensIndex> lenses = std::vector<LensIndex>(kBlockRays);
+  std::vector<TraceStatus> status = std::vector<TraceStatus>(kBlockRays);
+  std::vector<Real> etendue = std::vector<Real>(kBlockRays), sampled = etendue;
+
+  void copy(const RayFacts& other, std::size_t from, std::size_t to) {
+    columns[to] = other.columns[from];
+    rows[to] = other.rows[from];
+    replicates[to] = other.replicates[from];
+    types[to] = other.types[from];
+    pupil_parts[to] = other.pupil_parts[from];
+    lenses[to] = other.lenses[from];
+    status[to] = other.status[from];
+    etendue[to] = other.etendue[from];
+    sampled[to] = other.sampled[from];
+  }
+  void show(std::size_t size, bool has_parts, RayBlock<Real>& block) const {
+    block.size = static_cast<int>(size);
+    block.columns = {columns.data(), size};
+    block.rows = {rows.data(), size};
+    block.replicates = {replicates.data(), size};
+    block.lenses = {lenses.data(), size};
+    block.types = {types.data(), size};
+    block.pupil_parts = {pupil_parts.data(), has_parts ? size : 0};
+    block.status = {status.data(), size};
+    block.etendue = {etendue.data(), size};
+    block.sampled_etendue = {sampled.data(), size};
+  }
+};
+
 /// Writes the rays of one path to public blocks. One object for each worker.
 template <class Real>
 class BlockWriter : public RayConsumer<Real> {
@@ -75,7 +109,8 @@ class BlockWriter : public RayConsumer<Real> {
         worker_(worker),
         consumer_(consumer),
         sampler_(path.plan, *this),
-        columns_(4) {
+        has_parts_(!path.scene.camera.pupil_filters().empty()),
+        paths_(path.scene) {
     if (content == RayStreamContent::radiance) integrator_.emplace(path.plan);
     block_.path = number;
     block_.scene = &path.scene;
@@ -97,9 +132,9 @@ class BlockWriter : public RayConsumer<Real> {
   void begin_tile(int index, const PixelWindow&) override { block_.tile = index; }
   bool wants_drawn() const override { return true; }
   void drawn(const DrawnRays<Real>& rays) override {
-    std::copy_n(rays.block.weight + rays.first, rays.count, columns_[kSampled] + rays.first);
-    std::fill_n(lenses_.begin() + rays.first, rays.count, rays.lens);
-    std::fill_n(types_.begin() + rays.first, rays.count, rays.type);
+    std::copy_n(rays.block.weight + rays.first, rays.count, facts_.sampled.begin() + rays.first);
+    std::fill_n(facts_.lenses.begin() + rays.first, rays.count, rays.lens);
+    std::fill_n(facts_.types.begin() + rays.first, rays.count, rays.type);
   }
   void traced(const TracedRays<Real>& rays) override {
     write(rays);
@@ -109,36 +144,30 @@ class BlockWriter : public RayConsumer<Real> {
   }
 
  private:
-  enum Column : std::size_t { kEtendue, kSampled, kNear, kFar };
-
   void write(const TracedRays<Real>& rays) {
-    block_.sequence = (*sequence_)++;
-    block_.size = rays.count;
-    set_lines(rays);
     for (const PixelRays& pixel : rays.pixels) set_pixel(rays, pixel);
-    for (int i = 0; i < rays.count; ++i)
-      status_[static_cast<std::size_t>(i)] = status_of(rays.block.code[i]);
-    set_pupil_parts(rays);
-    if (path_.scene.windows) {
-      write_stretches(rays);
-      return;
+    set_ends(rays);
+    if (integrator_) integrator_->integrate(rays);
+    const PathIntegrator<Real>* const followed = integrator_ ? integrator_->along_paths() : nullptr;
+    if (!followed) trace_paths(rays, path_.plan.anchor, paths_);
+    const WorldPaths& paths = followed ? followed->paths() : paths_;
+    std::size_t most = 1;
+    for (std::size_t i = 0; i < paths.size(); ++i) most = std::max(most, paths[i].count);
+    // First the lines of the rays themselves, up to the end of their first stretch.
+    facts_.show(static_cast<std::size_t>(rays.count), has_parts_, block_);
+    set_lines(rays, paths);
+    if (integrator_ && most == 1) set_radiance(rays);
+    if (most > 1 && !stretches_) stretches_ = std::make_unique<StretchArrays>();
+    for (std::size_t k = 0; k < most; ++k) {
+      if (most > 1) choose(rays, paths, k);
+      if (k > 0) set_stretches(paths, k);
+      if (followed && most > 1) set_shares(*followed, k);
+      block_.sequence = (*sequence_)++;
+      consumer_(block_, worker_);
     }
-    if (integrator_) set_radiance(rays);
-    set_extents(rays);
-    const auto size = static_cast<std::size_t>(rays.count);
-    block_.columns = {pixel_columns_.data(), size};
-    block_.rows = {pixel_rows_.data(), size};
-    block_.replicates = {replicates_.data(), size};
-    block_.lenses = {lenses_.data(), size};
-    block_.types = {types_.data(), size};
-    block_.pupil_parts = {pupil_parts_.data(), pupil_parts_.empty() ? 0 : size};
-    block_.status = {status_.data(), size};
-    block_.etendue = {columns_[kEtendue], size};
-    block_.sampled_etendue = {columns_[kSampled], size};
-    consumer_(block_, worker_);
   }
 
-  void set_lines(const TracedRays<Real>& rays) {
+  void set_lines(const TracedRays<Real>& rays, const WorldPaths& paths) {
     RayBatch<Real>& lines = block_.rays;
     lines.size = rays.padded;
     lines.anchor = path_.plan.anchor;
@@ -148,17 +177,35 @@ class BlockWriter : public RayConsumer<Real> {
     lines.dx = rays.block.dx;
     lines.dy = rays.block.dy;
     lines.dz = rays.block.dz;
-    lines.t_near = columns_[kNear];
-    lines.t_far = columns_[kFar];
+    Real* const near = extents_[0];
+    Real* const far = extents_[1];
+    for (int i = 0; i < rays.count; ++i) {
+      const WorldPath& path = paths[static_cast<std::size_t>(i)];
+      const double from = path_.front.t_near(line_of(rays.block, i, lines.anchor));
+      const double norm =
+          length({static_cast<double>(lines.dx[i]), static_cast<double>(lines.dy[i]),
+                  static_cast<double>(lines.dz[i])});
+      near[i] = static_cast<Real>(from / norm);
+      far[i] = std::numeric_limits<Real>::infinity();
+      if (path.count > 0)
+        far[i] = static_cast<Real>((from + paths.stretches(path).front().far) / norm);
+    }
+    std::fill(near + rays.count, near + rays.padded, near[0]);
+    std::fill(far + rays.count, far + rays.padded, far[0]);
+    lines.t_near = near;
+    lines.t_far = far;
   }
 
-  void set_pupil_parts(const TracedRays<Real>& rays) {
+  /// How the rays ended in the camera, and where they passed the stop.
+  void set_ends(const TracedRays<Real>& rays) {
     const PupilFilters& filters = path_.scene.camera.pupil_filters();
-    if (filters.empty()) return;
-    pupil_parts_.resize(kBlockRays);
-    for (int i = 0; i < rays.count; ++i)
-      pupil_parts_[static_cast<std::size_t>(i)] = filters.part_at(
-          {static_cast<double>(rays.block.stop_x[i]), static_cast<double>(rays.block.stop_y[i])});
+    for (int i = 0; i < rays.count; ++i) {
+      const auto at = static_cast<std::size_t>(i);
+      facts_.status[at] = status_of(rays.block.code[i]);
+      if (has_parts_)
+        facts_.pupil_parts[at] = filters.part_at(
+            {static_cast<double>(rays.block.stop_x[i]), static_cast<double>(rays.block.stop_y[i])});
+    }
   }
 
   void set_pixel(const TracedRays<Real>& rays, const PixelRays& pixel) {
@@ -166,42 +213,15 @@ class BlockWriter : public RayConsumer<Real> {
     for (int k = 0; k < pixel.count; ++k) {
       const int i = pixel.first + k;
       const auto at = static_cast<std::size_t>(i);
-      pixel_columns_[at] = pixel.column;
-      pixel_rows_[at] = pixel.row;
-      replicates_[at] = (pixel.offset + k) / pixel.points;
-      columns_[kEtendue][i] = static_cast<Real>(scale * static_cast<double>(rays.block.weight[i]));
-      columns_[kSampled][i] = static_cast<Real>(scale * static_cast<double>(columns_[kSampled][i]));
+      facts_.columns[at] = pixel.column;
+      facts_.rows[at] = pixel.row;
+      facts_.replicates[at] = (pixel.offset + k) / pixel.points;
+      facts_.etendue[at] = static_cast<Real>(scale * static_cast<double>(rays.block.weight[i]));
+      facts_.sampled[at] = static_cast<Real>(scale * static_cast<double>(facts_.sampled[at]));
     }
-  }
-
-  void set_extents(const TracedRays<Real>& rays) {
-    Real* const near = columns_[kNear];
-    Real* const far = columns_[kFar];
-    const Real* const known = integrator_ ? integrator_->ends() : nullptr;
-    const SurfaceScene* const surfaces = path_.scene.surfaces.get();
-    for (int i = 0; i < rays.count; ++i) {
-      const KernelBlock<Real>& block = rays.block;
-      const Vec3 along{static_cast<double>(block.dx[i]), static_cast<double>(block.dy[i]),
-                       static_cast<double>(block.dz[i])};
-      const double norm = length(along);
-      const Ray ray{
-          path_.plan.anchor + Vec3{static_cast<double>(block.x[i]), static_cast<double>(block.y[i]),
-                                   static_cast<double>(block.z[i])},
-          (1 / norm) * along};
-      const double from = path_.front.t_near(ray);
-      near[i] = static_cast<Real>(from / norm);
-      far[i] = known ? known[i] : std::numeric_limits<Real>::infinity();
-      SurfaceHit hit;
-      if (!known && surfaces && block.weight[i] > 0 &&
-          surfaces->intersect(ray, from, std::numeric_limits<double>::infinity(), {}, hit))
-        far[i] = static_cast<Real>(hit.t / norm);
-    }
-    std::fill(near + rays.count, near + rays.padded, near[0]);
-    std::fill(far + rays.count, far + rays.padded, far[0]);
   }
 
   void set_radiance(const TracedRays<Real>& rays) {
-    integrator_->integrate(rays);
     const std::size_t channels = path_.scene.scene.channels.size();
     const auto stride = static_cast<std::size_t>(rays.padded);
     radiance_.resize(channels * stride);
@@ -212,119 +232,71 @@ class BlockWriter : public RayConsumer<Real> {
     block_.transmittance = {integrator_->transmittance(), static_cast<std::size_t>(rays.count)};
   }
 
-  /// Writes the lines of rays through windows: blocks of all first stretches, then of all second
-  /// ones, and so on.
-  void write_stretches(const TracedRays<Real>& rays) {
-    const WindowWays* ways = &ways_;
-    if (integrator_) {
-      integrator_->integrate(rays);
-      ways = &integrator_->windows()->ways();
-    } else {
-      trace_ways(rays, *path_.scene.windows, path_.plan.anchor, path_.front, window_path_, ways_);
-      SurfaceHit hit;
-      for (WindowWays::Way& way : ways_.ways)
-        if (path_.scene.surfaces) cut_at_surface(*path_.scene.surfaces, ways_, way, hit);
-    }
-    std::size_t most = 1;
-    for (const WindowWays::Way& way : ways->ways) most = std::max(most, way.count);
-    if (!stretches_) stretches_ = std::make_unique<StretchArrays>();
-    --*sequence_;  // it was increased for the whole block
-    for (std::size_t k = 0; k < most; ++k) {
-      std::vector<int>& chosen = stretches_->rays;
-      chosen.clear();
-      for (int i = 0; i < rays.count; ++i)
-        if (k == 0 || ways->ways[static_cast<std::size_t>(i)].count > k) chosen.push_back(i);
-      block_.sequence = (*sequence_)++;
-      set_stretches(rays, *ways, k);
-      consumer_(block_, worker_);
-    }
+  /// Chooses the rays of a block of stretches; the first one's has all rays.
+  void choose(const TracedRays<Real>& rays, const WorldPaths& paths, std::size_t k) {
+    stretches_->rays.clear();
+    for (int i = 0; i < rays.count; ++i)
+      if (k == 0 || paths[static_cast<std::size_t>(i)].count > k) stretches_->rays.push_back(i);
   }
 
-  /// Fills stretch k of the chosen rays; a ray that ended in the camera is a line in front of it.
-  void set_stretches(const TracedRays<Real>& rays, const WindowWays& ways, std::size_t k) {
+  /// Fills in stretch k of the chosen rays.
+  void set_stretches(const WorldPaths& paths, std::size_t k) {
     StretchArrays& to = *stretches_;
     const std::size_t size = to.rays.size();
     const std::size_t padded = (size + kRayPadding - 1) / kRayPadding * kRayPadding;
-    to.shares.assign(static_cast<std::size_t>(path_.scene.node_count()) * padded, Real(0));
-    to.transmittance.assign(size, Real(1));
     const Vec3 anchor = path_.plan.anchor;
     for (std::size_t j = 0; j < size; ++j) {
-      const int i = to.rays[j];
-      const auto from = static_cast<std::size_t>(i);
-      const WindowWays::Way& way = ways.ways[from];
-      AirSegment stretch;
-      stretch.far = kInfinity;
-      if (way.count > k)
-        stretch = ways.segments[way.first + k];
-      else
-        stretch.ray = ray_from_front(rays.block, i, anchor, path_.front);
+      const auto from = static_cast<std::size_t>(to.rays[j]);
+      const AirSegment& stretch = paths.stretches(paths[from])[k];
       const Vec3 o = stretch.ray.origin - anchor, d = stretch.ray.direction;
       const double values[] = {o.x, o.y, o.z, d.x, d.y, d.z, 0, stretch.far};
       for (std::size_t c = 0; c < std::size(values); ++c)
         to.columns[c][j] = static_cast<Real>(values[c]);
-      to.columns[8][j] =
-          columns_[kEtendue][i] * static_cast<Real>(way.count > k ? stretch.throughput : 1);
-      to.columns[9][j] = columns_[kSampled][i];
-      to.pixel_columns[j] = pixel_columns_[from];
-      to.pixel_rows[j] = pixel_rows_[from];
-      to.replicates[j] = replicates_[from];
-      to.types[j] = types_[from];
-      to.lenses[j] = lenses_[from];
-      to.status[j] = status_[from];
-      if (!integrator_ || way.count <= k) continue;
-      const WindowIntegrator<Real>& windows = *integrator_->windows();
-      to.transmittance[j] = static_cast<Real>(windows.transmittance(way.first + k));
-      // The etendue contains the losses in the glass.
-      for (std::size_t n = 0; stretch.throughput > 0 && n * padded < to.shares.size(); ++n)
-        to.shares[n * padded + j] = windows.shares()[n * ways.segments.size() + way.first + k] /
-                                    static_cast<Real>(stretch.throughput);
+      to.facts.copy(facts_, from, j);
+      to.facts.etendue[j] *= static_cast<Real>(stretch.throughput);
     }
     for (std::size_t c = 0; c < 8; ++c)
       std::fill(to.columns[c] + size, to.columns[c] + padded, to.columns[c][0]);
     RayBatch<Real>& lines = block_.rays;
     lines.size = static_cast<int>(padded);
-    lines.anchor = anchor;
     lines.x = to.columns[0], lines.y = to.columns[1], lines.z = to.columns[2];
     lines.dx = to.columns[3], lines.dy = to.columns[4], lines.dz = to.columns[5];
     lines.t_near = to.columns[6], lines.t_far = to.columns[7];
-    block_.size = static_cast<int>(size);
-    block_.columns = {to.pixel_columns.data(), size};
-    block_.rows = {to.pixel_rows.data(), size};
-    block_.replicates = {to.replicates.data(), size};
-    block_.lenses = {to.lenses.data(), size};
-    block_.types = {to.types.data(), size};
-    to.pupil_parts.assign(pupil_parts_.empty() ? 0 : padded, 0);
-    if (!pupil_parts_.empty())
-      for (std::size_t j = 0; j < size; ++j)
-        to.pupil_parts[j] = pupil_parts_[static_cast<std::size_t>(to.rays[j])];
-    block_.pupil_parts = {to.pupil_parts.data(), pupil_parts_.empty() ? 0 : size};
-    block_.status = {to.status.data(), size};
-    block_.etendue = {to.columns[8], size};
-    block_.sampled_etendue = {to.columns[9], size};
-    if (!integrator_) return;
-    const auto stride = static_cast<int>(padded);
-    if (path_.scene.part_mixes.empty()) {
-      sum_channels(path_.scene.mix, to.shares.data(), stride, stride);
-    } else {
-      sum_channels_by_mix(path_.scene.part_mixes, to.pupil_parts.data(), to.shares.data(), stride,
-                          stride);
+    to.facts.show(size, has_parts_, block_);
+  }
+
+  /// The light of stretch k of the chosen rays.
+  void set_shares(const PathIntegrator<Real>& followed, std::size_t k) {
+    StretchArrays& to = *stretches_;
+    const WorldPaths& paths = followed.paths();
+    const auto padded = static_cast<std::size_t>(block_.rays.size);
+    to.shares.assign(static_cast<std::size_t>(path_.scene.node_count()) * padded, Real(0));
+    to.transmittance.assign(to.rays.size(), Real(1));
+    for (std::size_t j = 0; j < to.rays.size(); ++j) {
+      const WorldPath& path = paths[static_cast<std::size_t>(to.rays[j])];
+      if (path.count <= k) continue;
+      const std::size_t s = path.first + k;
+      to.transmittance[j] = static_cast<Real>(followed.transmittance(s));
+      // The etendue contains the losses in the glass.
+      const auto through = static_cast<Real>(paths.stretches()[s].throughput);
+      for (std::size_t n = 0; through > 0 && n * padded < to.shares.size(); ++n)
+        to.shares[n * padded + j] = followed.shares()[n * paths.stretches().size() + s] / through;
     }
-    to.shares.resize(path_.scene.scene.channels.size() * padded);
-    block_.radiance = to.shares;
+    const int stride = block_.rays.size;
+    if (path_.scene.part_mixes.empty())
+      sum_channels(path_.scene.mix, to.shares.data(), stride, stride);
+    else
+      sum_channels_by_mix(path_.scene.part_mixes, (k > 0 ? to.facts : facts_).pupil_parts.data(),
+                          to.shares.data(), stride, stride);
+    block_.radiance = std::span(to.shares).first(path_.scene.scene.channels.size() * padded);
     block_.transmittance = to.transmittance;
   }
 
   /// The arrays of a block of stretches.
   struct StretchArrays {
-    AlignedColumns<Real> columns{10};
+    AlignedColumns<Real> columns{8};
     std::vector<int> rays;  ///< the ray of each stretch
-    std::vector<int> pixel_columns = std::vector<int>(kBlockRays),
-                     pixel_rows = std::vector<int>(kBlockRays),
-                     replicates = std::vector<int>(kBlockRays),
-                     types = std::vector<int>(kBlockRays);
-    std::vector<LensIndex> lenses = std::vector<LensIndex>(kBlockRays);
-    std::vector<TraceStatus> status = std::vector<TraceStatus>(kBlockRays);
-    std::vector<int> pupil_parts;  ///< parts of the stop that they pass
+    RayFacts<Real> facts;
     std::vector<Real> shares, transmittance;
   };
 
@@ -339,18 +311,12 @@ class BlockWriter : public RayConsumer<Real> {
   int row_ = 0;  ///< row of tile_ that the rays have reached
   const std::function<void(double)>* reached_ = nullptr;
   RayBlock<Real> block_;
-  AlignedColumns<Real> columns_;
-  std::vector<int> pixel_columns_ = std::vector<int>(kBlockRays),
-                   pixel_rows_ = std::vector<int>(kBlockRays),
-                   replicates_ = std::vector<int>(kBlockRays),
-                   types_ = std::vector<int>(kBlockRays);
-  std::vector<LensIndex> lenses_ = std::vector<LensIndex>(kBlockRays);
-  std::vector<int> pupil_parts_;  ///< empty without filters
-  std::vector<TraceStatus> status_ = std::vector<TraceStatus>(kBlockRays);
+  AlignedColumns<Real> extents_{2};  ///< t_near, t_far
+  RayFacts<Real> facts_;
+  bool has_parts_;  ///< filters cover parts of the stop
   std::vector<Real> radiance_;
-  WindowPath window_path_;
-  WindowWays ways_;                           ///< used if no integrator follows them
-  std::unique_ptr<StretchArrays> stretches_;  ///< in scenes with windows
+  WorldPaths paths_;                          ///< used if no integrator follows them
+  std::unique_ptr<StretchArrays> stretches_;  ///< nullptr: there was one for each ray so far
 };
 
 void check_stream(const RenderSettings& settings, const SensorSpec& sensor) {

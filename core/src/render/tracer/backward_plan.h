@@ -48,7 +48,8 @@ template <class Real>
 struct BackwardPlan {
   const CompiledScene* scene = nullptr;
   const Medium* medium = nullptr;  ///< medium of the scene
-  bool medium_bends = false;       ///< the medium itself takes rays through the windows
+  /// The medium alone lights rays, along their whole lines; else paths in the world are followed.
+  bool takes_lines = false;
   const RenderSettings* settings = nullptr;
   BackwardKernels<Real> kernels;
   CameraKernels<Real> optics;

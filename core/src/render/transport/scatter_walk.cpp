@@ -405,8 +405,7 @@ void ScatterWalk::begin(const std::vector<Start>& starts, std::vector<Walk>& wal
   std::vector<double> places;  // the results of scatter() for each walk
   segments_.clear();
   for (const Start& start : starts) {
-    // Camera rays are infinite lines.
-    const RaySpan span = clip_to_box(bounds_, start.line, -kInfinity, start.far);
+    const RaySpan span = clip_to_box(bounds_, start.line, start.near, start.far);
     const RaySpan inside = scattering_span(start.line, span.near, span.far);
     if (span.empty() || inside.empty()) continue;
     Walk walk(start.ray, {start.line.at(span.near), start.line.direction}, start.key, nodes_);

@@ -81,6 +81,7 @@ class ScatterWalk {
     /// Share of the rays whose first place is drawn evenly over the media that scatter. It is large
     /// in thin media. 0: the extinction draws all places.
     double even = 0;
+    double near = -kInfinity;  ///< [m] its begin
   };
   /// Adds to radiance[node][ray] the light that is scattered into the rays inside of the medium.
   void add(const std::vector<Start>& starts, std::vector<std::vector<double>>& radiance,

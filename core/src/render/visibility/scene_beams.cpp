@@ -8,17 +8,21 @@ namespace plenoflame {
 
 std::unique_ptr<const SceneBeams> SceneBeams::make(const CompiledScene& scene) {
   std::optional<std::vector<Box>> lit = occupied_boxes(scene);
-  if (!lit) return nullptr;
+  return lit ? make(scene, *std::move(lit)) : nullptr;
+}
+
+std::unique_ptr<const SceneBeams> SceneBeams::make(const CompiledScene& scene,
+                                                   std::vector<Box> lit) {
   if (scene.windows) {
     // Beams are straight. Boxes grow by the largest displacement of bent rays.
-    const double room = displacement_by_windows(scene, *lit);
+    const double room = displacement_by_windows(scene, lit);
     if (!std::isfinite(room)) return nullptr;
-    for (Box& box : *lit) {
+    for (Box& box : lit) {
       box.lower = box.lower - Vec3{room, room, room};
       box.upper = box.upper + Vec3{room, room, room};
     }
   }
-  return std::make_unique<const SceneBeams>(scene, *lit);
+  return std::make_unique<const SceneBeams>(scene, lit);
 }
 
 SceneBeams::SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit)

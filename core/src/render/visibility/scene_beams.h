@@ -14,6 +14,8 @@ class SceneBeams {
  public:
   /// @return nullptr if light may come from everywhere, also along paths that windows bend
   static std::unique_ptr<const SceneBeams> make(const CompiledScene& scene);
+  /// The same for world boxes in place of what the scene contains.
+  static std::unique_ptr<const SceneBeams> make(const CompiledScene& scene, std::vector<Box> lit);
   SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit);
   SceneBeams(const SceneBeams&) = delete;
   SceneBeams& operator=(const SceneBeams&) = delete;

@@ -1,4 +1,4 @@
-#include "render/transport/window_aim.h"
+#include "render/transport/camera_aim.h"
 
 #include <algorithm>
 #include <array>
@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "plenoflame/base/constants.h"
+#include "render/transport/world_paths.h"
 #include "sampling/directions.h"
 
 namespace plenoflame {
@@ -30,12 +31,12 @@ double recurrence(int i, int dimension) {
 
 }  // namespace
 
-WindowAim::WindowAim(const Camera& camera, const WindowSet& windows, Vec3 centre, double radius)
-    : windows_(windows),
-      cone_(camera),
-      to_camera_(camera.to_world().inverse()),
+CameraAim::CameraAim(const CompiledScene& scene, Vec3 centre, double radius)
+    : scene_(scene),
+      cone_(scene.camera),
+      to_camera_(scene.camera.to_world().inverse()),
       spread_(cone_.radius()) {
-  if (!(spread_ > 0)) return;
+  if (!scene.windows || !(spread_ > 0)) return;
   WindowPath path;
   std::vector<double> distances;
   const double aperture = spread_;
@@ -44,11 +45,11 @@ WindowAim::WindowAim(const Camera& camera, const WindowSet& windows, Vec3 centre
     const double r = aperture * std::sqrt(recurrence(i, 0));
     const double turn = 2 * constants::pi * recurrence(i, 1);
     const Vec3 start =
-        camera.to_world().point({cone_.centre().x + r * std::cos(turn),
-                                 cone_.centre().y + r * std::sin(turn), cone_.front()});
+        scene.camera.to_world().point({cone_.centre().x + r * std::cos(turn),
+                                       cone_.centre().y + r * std::sin(turn), cone_.front()});
     const Vec3 aim = centre + radius * recurrence(i, 2) *
                                   cone_direction({0, 0, 1}, 2 * recurrence(i, 3), recurrence(i, 4));
-    windows_.trace({start, normalize(aim - start)}, path);
+    trace_from(scene, {start, normalize(aim - start)}, path);
     for (const AirSegment& segment : path.segments) {
       const Vec3 to_centre = centre - segment.ray.origin;
       const double ahead = std::clamp(dot(to_centre, segment.ray.direction), 0.0, segment.far);
@@ -64,7 +65,8 @@ WindowAim::WindowAim(const Camera& camera, const WindowSet& windows, Vec3 centre
   spread_ = std::max(aperture, kMargin * *held);
 }
 
-ApertureCone::Direction WindowAim::draw(Vec3 point, double u, double v) const {
+ApertureCone::Direction CameraAim::draw(Vec3 point, double u, double v) const {
+  if (!scene_.windows) return cone_.draw(point, u, v);
   const Vec3 to_centre = cone_.centre() - point;
   const double distance = length(to_centre);
   // Rays are not aimed at a telecentric pupil, nor at a pupil around or behind the point.
@@ -95,8 +97,8 @@ ApertureCone::Direction WindowAim::draw(Vec3 point, double u, double v) const {
   return result;
 }
 
-bool WindowAim::follow(const Ray& world, WindowPath& path, Ray& arriving) const {
-  windows_.trace(world, path);
+bool CameraAim::follow(const Ray& world, WindowPath& path, Ray& arriving) const {
+  trace_from(scene_, world, path);
   for (std::size_t k = 0; k < path.segments.size(); ++k) {
     AirSegment& segment = path.segments[k];
     arriving = {to_camera_.point(segment.ray.origin), to_camera_.direction(segment.ray.direction)};
