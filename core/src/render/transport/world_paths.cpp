@@ -27,20 +27,29 @@ void WorldPaths::clear(std::size_t rays) {
 }
 
 void WorldPaths::add(std::size_t ray, const Ray& line) {
-  follow(windows_, {line.at(front_.t_near(line)), line.direction}, way_);
+  const Ray begun{line.at(front_.t_near(line)), line.direction};
   WorldPath& path = paths_[ray];
   path.first = stretches_.size();
-  path.open = !way_.stopped;
-  SurfaceHit hit;
-  for (const AirSegment& segment : way_.segments) {
-    stretches_.push_back(segment);
-    if (!surfaces_ || !surfaces_->intersect(segment.ray, 0, segment.far, {}, hit)) continue;
-    stretches_.back().far = hit.t;
-    stretches_.back().window = -1;
-    path.hit = static_cast<int>(hits_.size());
+  path.open = true;
+  if (windows_) {
+    follow(windows_, begun, way_);
+    path.open = !way_.stopped;
+    stretches_.insert(stretches_.end(), way_.segments.begin(), way_.segments.end());
+  } else {
+    stretches_.push_back({begun, kInfinity, 1, -1});
+  }
+  for (std::size_t s = path.first; surfaces_ && s < stretches_.size(); ++s) {
+    AirSegment& stretch = stretches_[s];
+    SurfaceHit& hit = hits_.emplace_back();
+    if (!surfaces_->intersect(stretch.ray, 0, stretch.far, {}, hit)) {
+      hits_.pop_back();
+      continue;
+    }
+    stretch.far = hit.t;
+    stretch.window = -1;
+    path.hit = static_cast<int>(hits_.size()) - 1;
     path.open = false;
-    hits_.push_back(hit);
-    break;
+    stretches_.resize(s + 1);
   }
   path.count = stretches_.size() - path.first;
 }
