@@ -277,7 +277,7 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
   // The middle of a soft disc differs from the ray through the middle of the stop by some
   // thousandths of a pixel. It is largest at the edge, and more centres do not help.
-  constexpr double kTrueCentres = 0.006;  // [pixel] in the corners
+  constexpr double kTrueCentres = 0.01;  // [pixel] in the corners
   fit.pitch_error =
       std::hypot(error(0), array.pitch * kTrueCentres / (0.5 * std::hypot(width, height)));
   fit.rotation_error = error(1);
