@@ -7,6 +7,7 @@
 #include <cmath>
 #include <optional>
 
+#include "math/levenberg_marquardt.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/camera.h"
 
@@ -179,7 +180,15 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   fit.tilted = tilt;
   const bool two = array.pitch_y > 0;
   const int count = 4 + (tilt ? 2 : 0) + (two ? 1 : 0);
-  const auto changed = [&](const ArraySpec& from, const Eigen::VectorXd& by) {
+  if (tilt) array.tilt = {};
+  Eigen::VectorXd steps(count);
+  steps[0] = 1e-5 * array.pitch;
+  steps[1] = 1e-5;
+  steps[2] = steps[3] = 1e-2 * array.pitch;
+  if (tilt) steps[4] = steps[5] = 1e-4;
+  if (two) steps[count - 1] = steps[0];
+  const auto changed = [&](const ArraySpec& from, const Eigen::VectorXd& in_steps) {
+    const Eigen::VectorXd by = in_steps.cwiseProduct(steps);
     ArraySpec to = from;
     to.pitch += by[0];
     to.rotation += by[1];
@@ -193,13 +202,6 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     to.diameter = std::min(to.diameter, to.pitch);
     return to;
   };
-  if (tilt) array.tilt = {};
-  Eigen::VectorXd steps(count);
-  steps[0] = 1e-5 * array.pitch;
-  steps[1] = 1e-5;
-  steps[2] = steps[3] = 1e-2 * array.pitch;
-  if (tilt) steps[4] = steps[5] = 1e-4;
-  if (two) steps[count - 1] = steps[0];
   const auto centres = [&](const ArraySpec& spec) {
     const Camera camera(with_array(nominal, spec));
     std::vector<std::optional<Vec2>> places;
@@ -215,55 +217,59 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
     };
     return cell(place.y, height) * kRegionsAcross + cell(place.x, width);
   };
-  Eigen::MatrixXd matrix, pulls;
-  for (int round = 0; round < 5; ++round) {
-    const auto here = centres(array);
+  // Calls use(image, centre by the camera, its derivatives) where rays reach the micro-image.
+  const auto for_images = [&](const ArraySpec& from, const auto& use) {
+    const auto here = centres(from);
     std::vector<std::vector<std::optional<Vec2>>> moved;
     for (int a = 0; a < count; ++a)
-      moved.push_back(centres(changed(array, steps[a] * Eigen::VectorXd::Unit(count, a))));
-    matrix = Eigen::MatrixXd::Zero(count, count);
-    pulls = Eigen::MatrixXd::Zero(count, kRegions);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(count);
-    double squares = 0;
-    fit.used = 0;
-    fit.worst = 0;
+      moved.push_back(centres(changed(from, Eigen::VectorXd::Unit(count, a))));
     for (std::size_t n = 0; n < used.size(); ++n) {
       Eigen::Matrix<double, 2, Eigen::Dynamic> slope(2, count);
       bool whole = here[n].has_value();
-      for (int a = 0; a < count && whole; ++a) {
-        whole = moved[static_cast<std::size_t>(a)][n].has_value();
+      for (std::size_t a = 0; whole && a < moved.size(); ++a) {
+        whole = moved[a][n].has_value();
         if (!whole) break;
-        const Vec2 d = *moved[static_cast<std::size_t>(a)][n] - *here[n];
-        slope(0, a) = d.x;
-        slope(1, a) = d.y;
+        const Vec2 d = *moved[a][n] - *here[n];
+        slope.col(static_cast<Eigen::Index>(a)) << d.x, d.y;
       }
-      if (!whole) continue;
-      const Vec2 off = used[n]->centre - *here[n];
-      squares += dot(off, off);
-      fit.worst = std::max(fit.worst, length(off));
-      ++fit.used;
-      matrix += slope.transpose() * slope;
-      // The lattice's model has the noise of all micro-images, of which these are some.
-      const Vec2 smooth = used[n]->model - *here[n];
-      const Eigen::VectorXd pull = slope.transpose() * Eigen::Vector2d(smooth.x, smooth.y);
-      right += pull;
-      pulls.col(region_of(used[n]->model)) += pull;
+      if (whole) use(*used[n], *here[n], slope);
     }
-    if (fit.used < 6)
-      throw InputError(
-          "no ray of the nominal camera reaches the micro-images: check its lens, focus and "
-          "sensor");
-    fit.rms = std::sqrt(squares / static_cast<double>(fit.used));
-    if (round == 4) break;
-    const Eigen::VectorXd change = matrix.ldlt().solve(right);
-    if (!change.allFinite()) throw InputError("the array's numbers cannot be told from each other");
-    array = changed(array, change.cwiseProduct(steps));
-  }
+  };
+  using Equations = NormalEquations<Eigen::Dynamic>;
+  Equations equations;
+  minimise(array, equations,
+           [&](const ArraySpec& from) -> std::optional<Equations> {
+             Equations sums{Eigen::MatrixXd::Zero(count, count), Eigen::VectorXd::Zero(count)};
+             // The lattice's model has the noise of all micro-images, of which these are some.
+             for_images(from, [&](const MicroImageFit& image, Vec2 here, const auto& slope) {
+               const Eigen::Vector2d off(image.model.x - here.x, image.model.y - here.y);
+               sums.square += slope.transpose() * slope;
+               sums.right += slope.transpose() * off;
+               sums.sum += off.squaredNorm();
+             });
+             return sums;
+           },
+           changed, {5, 1e-9});
+  Eigen::MatrixXd pulls = Eigen::MatrixXd::Zero(count, kRegions);
+  double squares = 0;
+  for_images(array, [&](const MicroImageFit& image, Vec2 here, const auto& slope) {
+    const Vec2 off = image.centre - here, smooth = image.model - here;
+    squares += dot(off, off);
+    fit.worst = std::max(fit.worst, length(off));
+    ++fit.used;
+    pulls.col(region_of(image.model)) += slope.transpose() * Eigen::Vector2d(smooth.x, smooth.y);
+  });
+  if (fit.used < 6)
+    throw InputError(
+        "no ray of the nominal camera reaches the micro-images: check its lens, focus and "
+        "sensor");
+  fit.rms = std::sqrt(squares / static_cast<double>(fit.used));
   // The variance has two parts. The first is the noise of all good micro-images, whose model has at
   // most ten numbers. The second is the scatter between regions, each of which counts once (Liang
   // and Zeger 1986, Biometrika 73, 13). An error common to the whole sensor is known by its order
   // of magnitude at best.
-  const Eigen::MatrixXd inverse = matrix.inverse();
+  const Eigen::MatrixXd inverse = equations.square.inverse();
+  if (!inverse.allFinite()) throw InputError("the array's numbers cannot be told from each other");
   const auto all = static_cast<double>(lattice.good);
   const double variance = lattice.rms * lattice.rms * all / (2 * all - 10);
   const Eigen::MatrixXd covariance = variance * (static_cast<double>(used.size()) / all) * inverse +
@@ -271,7 +277,7 @@ ArrayFit fit_array(const CameraSpec& nominal, const WhiteLattice& lattice, int w
   const auto error = [&](int a) { return std::sqrt(covariance(a, a)) * steps[a]; };
   // The middle of a soft disc differs from the ray through the middle of the stop by some
   // thousandths of a pixel. It is largest at the edge, and more centres do not help.
-  constexpr double kTrueCentres = 0.006;  // [pixel] in the corners
+  constexpr double kTrueCentres = 0.01;  // [pixel] in the corners
   fit.pitch_error =
       std::hypot(error(0), array.pitch * kTrueCentres / (0.5 * std::hypot(width, height)));
   fit.rotation_error = error(1);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,9 +12,10 @@
 #include <set>
 #include <utility>
 
-#include "calibration/board_marks.h"
+#include "calibration/board_grid.h"
+#include "calibration/board_plane.h"
+#include "calibration/board_views.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/lightfield/micro_images.h"
 
 namespace plenoflame {
 namespace {
@@ -25,61 +25,25 @@ constexpr double kAlike = 0.5;           ///< least cosine of twice the angle be
 constexpr double kMeeting = 1.2;   ///< [pixel] by which lines to one point may miss each other
 constexpr double kBaseline = 2.2;  ///< [pitches] between microlenses whose lines are compared
 constexpr double kSeldom = 0.35;   ///< of the usual number of marks, by which a point is left out
-constexpr int kDistanceBins = 240;
-constexpr std::size_t kFewestPairs = 20, kFewestPoints = 8;
-
-/// The line that a mark is seen on: (x, y) = place + z slope; and the same of a point one pixel
-/// beside it, as differences.
-struct SeenMark {
-  LensIndex lens;
-  Vec2 at_lens;  ///< place of the microlens [m]
-  BoardMark mark;
-  Vec2 place, slope, place_beside, slope_beside;
-
-  Vec2 at(double z) const { return place + z * slope; }
-  /// [m] that a pixel is wide at a distance
-  double pixel_at(double z) const { return length(place_beside + z * slope_beside); }
-};
-
-/// A plane in front of the camera: 1/z = near + along x/z + across y/z, linear in directions.
-struct BoardPlane {
-  double near = 0, along = 0, across = 0;
-
-  double distance(Vec2 place, Vec2 slope) const {
-    return (1 - along * place.x - across * place.y) / (near + along * slope.x + across * slope.y);
-  }
-};
-
-/// The place where two lines come nearest to each other: distance z, and by how many pixels they
-/// miss.
-struct Meeting {
-  double z = 0, miss = 0;
-  Vec2 direction;  ///< x/z, y/z
-
-  Meeting(const SeenMark& a, const SeenMark& b) {
-    const Vec2 apart = b.place - a.place, turned = b.slope - a.slope;
-    z = -dot(apart, turned) / dot(turned, turned);
-    const Vec2 p = a.at(z), q = b.at(z);
-    miss = length(q - p) / a.pixel_at(z);
-    direction = (0.5 / z) * (p + q);
-  }
-};
+constexpr int kRounds = 4;         ///< of fits of expected marks
+constexpr double kDefocus = 0.1;   ///< deviation of MicroView::plane of a camera of nominal values
+constexpr std::size_t kFewestPoints = 8;
 
 class BoardFinder {
  public:
-  BoardFinder(const Image& light, const CameraSpec& spec, const BoardSpec& board,
-              const Execution& execution)
-      : board_(board), execution_(execution), camera_(spec) {
-    const SensorSpec& sensor = spec.sensor;
-    if (light.width != sensor.columns || light.height != sensor.rows)
-      throw InputError(fmt::format("the picture has {} x {} pixels, the camera's sensor {} x {}",
-                                   light.width, light.height, sensor.columns, sensor.rows));
-    see(light);
+  BoardFinder(const Image& light, const Image& white, const CameraSpec& spec,
+              const BoardSpec& board, const Execution& execution)
+      : board_(board),
+        execution_(execution),
+        picture_(light, white, spec, board.dots, execution),
+        views_(picture_.views()) {
+    defocus_.resize(spec.array.types.size());
+    see();
   }
 
   BoardCorners find() {
     BoardCorners found;
-    found.marks = marks_.size();
+    found.marks = seen_;
     fit_plane();
     for (int round = 0; round < 2; ++round) {
       gather();
@@ -87,6 +51,15 @@ class BoardFinder {
     }
     gather();
     label();
+    begin_grid();
+    GridBox box;
+    for (const Point& point : points_) box.add(point.column, point.row);
+    if (fits_board(box.columns(), box.rows()))
+      for (int round = 0; round < kRounds; ++round) {
+        if (round + 1 < kRounds) fill_grid();
+        refine();
+        trim_grid();
+      }
     orient(found);
     found.distance = 1 / plane_.near;
     return found;
@@ -103,51 +76,28 @@ class BoardFinder {
   };
 
   std::string seen_text() const {
-    return fmt::format("{} {} were seen in micro-images", marks_.size(),
-                       board_.dots ? "dots" : "corners");
+    return fmt::format("{} {} were seen in micro-images", seen_, board_.dots ? "dots" : "corners");
   }
 
-  void see(const Image& light) {
-    const MicroImages micro(camera_, false, execution_);
-    const MarkFinder finder(light, board_.dots);
-    const Vec2 corner = camera_.sensor_point(0, 0);
-    const std::vector<LensIndex> lenses = camera_.lattice().within(-1.0 * corner, corner);
-    std::vector<std::vector<SeenMark>> of_lens(lenses.size());
-    const Vec2 pixel = camera_.spec().sensor.pixel();
-    const double most = 0.5 * micro.spacing();
-    const bool all = parallel_for(execution_, lenses.size(), [&](std::size_t k, int) {
-      const MicroImages::Place place = micro.place(lenses[k]);
-      if (place.dark) return;
-      const auto [x, y] = camera_.image_point(place.centre);
-      const double radius = std::min(place.radius, most) / std::max(pixel.x, pixel.y);
-      for (const BoardMark& mark : finder.marks_in({x, y}, radius)) {
-        SeenMark seen;
-        seen.lens = lenses[k];
-        const Vec3 middle = camera_.lens_place(lenses[k]);
-        seen.at_lens = {middle.x, middle.y};
-        seen.mark = mark;
-        const Vec2 s = camera_.sensor_point(mark.pixel.x, mark.pixel.y);
-        const MicroImages::Line line = micro.chief_ray(place, s),
-                                beside = micro.chief_ray(place, s + Vec2{pixel.x, 0});
-        seen.place = line.position;
-        seen.slope = line.slope;
-        seen.place_beside = beside.position - line.position;
-        seen.slope_beside = beside.slope - line.slope;
-        of_lens[k].push_back(seen);
-      }
+  void see() {
+    std::vector<std::vector<SeenMark>> of_view(views_.size());
+    const bool all = parallel_for(execution_, views_.size(), [&](std::size_t k, int) {
+      for (const BoardMark& mark : picture_.finder().marks_in(views_[k].see))
+        of_view[k].push_back(picture_.seen_at(k, mark));
     });
     if (!all) throw Cancelled();
-    for (const auto& some : of_lens)
+    put_marks(of_view);
+    seen_ = marks_.size();
+  }
+
+  void put_marks(const std::vector<std::vector<SeenMark>>& of_view) {
+    marks_.clear();
+    by_lens_.clear();
+    for (const auto& some : of_view)
       for (const SeenMark& mark : some) {
         by_lens_[{mark.lens.q, mark.lens.r}].push_back(marks_.size());
         marks_.push_back(mark);
       }
-  }
-
-  double in_focus() const {
-    const double f = camera_.lens_first_order().focal_length;
-    const double z = 1 / (1 / f - 1 / camera_.lens_distance());
-    return z > 0 && std::isfinite(z) ? z : 1e3 * f;
   }
 
   bool alike(const SeenMark& a, const SeenMark& b) const {
@@ -157,12 +107,13 @@ class BoardFinder {
   /// Calls for each pair of marks that may be one point seen through neighbouring microlenses.
   template <class Use>
   void for_pairs(const Use& use) const {
-    const double reach = kBaseline * camera_.spec().array.pitch;
-    const double focus = in_focus();
+    const double reach = kBaseline * picture_.camera().spec().array.pitch;
+    const double focus = picture_.in_focus();
     for (std::size_t i = 0; i < marks_.size(); ++i) {
       const SeenMark& a = marks_[i];
       const Vec2 room{reach, reach};
-      for (const LensIndex lens : camera_.lattice().within(a.at_lens - room, a.at_lens + room)) {
+      const Vec2 from = views_[a.view].at_lens;
+      for (const LensIndex lens : picture_.camera().lattice().within(from - room, from + room)) {
         const auto found = by_lens_.find({lens.q, lens.r});
         if (found == by_lens_.end()) continue;
         for (const std::size_t k : found->second) {
@@ -176,7 +127,6 @@ class BoardFinder {
     }
   }
 
-  /// The distance at which most lines meet, then the plane near it.
   void fit_plane() {
     std::vector<Meeting> meetings;
     for_pairs([&](const Meeting& meeting) { meetings.push_back(meeting); });
@@ -187,48 +137,8 @@ class BoardFinder {
           "meet in front of the camera; does it stand away from the plane that is sharp "
           "on the array (where a microlens sees a point of it), is it sharp in "
           "micro-images, and is the camera that of the picture (calibrate white)?");
-    const double low = 1 / (kFar * in_focus()), high = 1 / (kNear * in_focus());
-    std::array<double, kDistanceBins> bins{};
-    for (const Meeting& meeting : meetings) {
-      const double at = (1 / meeting.z - low) / (high - low) * kDistanceBins;
-      bins[static_cast<std::size_t>(std::clamp(at, 0.0, kDistanceBins - 1.0))] += 1;
-    }
-    constexpr int kSmooth = 3;
-    double best = 0;
-    int mode = 0;
-    for (int k = kSmooth; k < kDistanceBins - kSmooth; ++k) {
-      double sum = 0;
-      for (int d = -kSmooth; d <= kSmooth; ++d) sum += bins[static_cast<std::size_t>(k + d)];
-      if (sum > best) best = sum, mode = k;
-    }
-    plane_ = {low + (mode + 0.5) * (high - low) / kDistanceBins, 0, 0};
-    fit_to(meetings, 0.25 * plane_.near);
-  }
-
-  /// Least squares of those within a window that closes.
-  void fit_to(const std::vector<Meeting>& meetings, double window) {
-    for (int step = 0; step < 12; ++step) {
-      Eigen::Matrix3d square = Eigen::Matrix3d::Zero();
-      Eigen::Vector3d right = Eigen::Vector3d::Zero();
-      std::vector<double> off;
-      for (const Meeting& meeting : meetings) {
-        const Eigen::Vector3d row(1, meeting.direction.x, meeting.direction.y);
-        const double rest =
-            1 / meeting.z - row.dot(Eigen::Vector3d(plane_.near, plane_.along, plane_.across));
-        if (std::fabs(rest) > window) continue;
-        off.push_back(std::fabs(rest));
-        square += row * row.transpose();
-        right += row * rest;
-      }
-      if (off.size() < kFewestPairs) return;
-      const Eigen::Vector3d change = square.ldlt().solve(right);
-      plane_.near += change(0);
-      plane_.along += change(1);
-      plane_.across += change(2);
-      std::nth_element(off.begin(), off.begin() + static_cast<std::ptrdiff_t>(off.size() / 2),
-                       off.end());
-      window = std::max(0.7 * window, std::min(window, 4 * off[off.size() / 2]));
-    }
+    plane_ = BoardPlane::where_most_meet(meetings, kNear * picture_.in_focus(),
+                                         kFar * picture_.in_focus());
   }
 
   void set_axes() {
@@ -237,8 +147,9 @@ class BoardFinder {
     down_ = cross(normal_, right_);
   }
 
-  Vec3 point_of(const SeenMark& mark) const {
-    const double z = plane_.distance(mark.place, mark.slope);
+  Vec3 point_of_mark(std::size_t k) const {
+    const SeenMark& mark = marks_[k];
+    const double z = plane_.distance(mark.line);
     const Vec2 p = mark.at(z);
     return {p.x, p.y, z};
   }
@@ -257,7 +168,7 @@ class BoardFinder {
                        static_cast<int>(std::floor(p.y / side))};
     };
     for (std::size_t k = 0; k < marks_.size(); ++k) {
-      const Vec3 p = point_of(marks_[k]);
+      const Vec3 p = point_of_mark(k);
       places.push_back({dot(p, right_), dot(p, down_)});
       room.push_back(std::min(2.0 * marks_[k].pixel_at(p.z), side));
       if (p.z > 0 && std::fabs(places[k].x) < 1e5 * side && std::fabs(places[k].y) < 1e5 * side)
@@ -329,7 +240,7 @@ class BoardFinder {
           const Meeting meeting(marks_[point.marks[i]], marks_[point.marks[k]]);
           if (meeting.z > 0 && std::isfinite(meeting.z)) meetings.push_back(meeting);
         }
-    fit_to(meetings, 0.15 * plane_.near);
+    plane_.fit(meetings, 0.15 * plane_.near);
   }
 
   /// The point nearest to a place, within a distance.
@@ -413,13 +324,177 @@ class BoardFinder {
                       seen_text(), most, points_.size()));
   }
 
+  bool fits_board(int columns, int rows) const {
+    return std::max(columns, rows) <= std::max(board_.columns, board_.rows) &&
+           std::min(columns, rows) <= std::min(board_.columns, board_.rows);
+  }
+
+  /// Adds the points between those that were found, and beside them as far as the board may reach.
+  void fill_grid() {
+    GridBox box;
+    std::set<std::pair<int, int>> known;
+    for (const Point& point : points_) {
+      box.add(point.column, point.row);
+      known.insert({point.column, point.row});
+    }
+    const int columns = fits_board(box.columns() + 1, box.rows()) ? 1 : 0,
+              rows = fits_board(box.columns(), box.rows() + 1) ? 1 : 0;
+    for (int c = box.left - columns; c <= box.right + columns; ++c)
+      for (int r = box.top - rows; r <= box.bottom + rows; ++r) {
+        if (known.contains({c, r})) continue;
+        Point point;
+        point.column = c;
+        point.row = r;
+        points_.push_back(point);
+      }
+  }
+
+  /// Leaves out sides of the grid that are seen least, until it is no larger than the board.
+  void trim_grid() {
+    for (;;) {
+      GridBox box;
+      for (const Point& point : points_) box.add(point.column, point.row);
+      if (fits_board(box.columns(), box.rows())) return;
+      const auto sides = [&](const Point& point) {
+        return std::array<bool, 4>{point.column == box.left, point.column == box.right,
+                                   point.row == box.top, point.row == box.bottom};
+      };
+      std::array<std::size_t, 4> marks{};
+      for (const Point& point : points_)
+        for (std::size_t side = 0; side < 4; ++side)
+          if (sides(point)[side]) marks[side] += point.marks.size();
+      const auto least =
+          static_cast<std::size_t>(std::min_element(marks.begin(), marks.end()) - marks.begin());
+      std::erase_if(points_, [&](const Point& point) { return sides(point)[least]; });
+    }
+  }
+
+  /// Bright squares of neighbouring corners lie across each other.
+  double parity(const Point& point) const {
+    return board_.dots || (point.column + point.row) % 2 == 0 ? 1 : -1;
+  }
+
+  /// Leaves the points of the grid alone.
+  void begin_grid() {
+    std::erase_if(points_, [](const Point& point) { return !point.labelled; });
+    std::vector<double> sizes;
+    for (const Point& point : points_)
+      for (const std::size_t k : point.marks) sizes.push_back(std::fabs(marks_[k].mark.shape[0]));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    dot_radius_ = *middle;
+    for (const Point& point : points_) diagonal_ = diagonal_ + parity(point) * point.diagonal;
+    grid_ = GridToPlane::of(points_, board_.cell);
+  }
+
+  Vec3 on_plane(Vec2 place) const {
+    // The plane: along x + across y + near z = 1.
+    const Vec3 p = place.x * right_ + place.y * down_;
+    return p + (1 / length(Vec3{plane_.along, plane_.across, plane_.near})) * normal_;
+  }
+
+  /// Fits each point of the grid in each micro-image that it should be seen in.
+  void refine() {
+    struct Expected {
+      Vec3 at, next_column, next_row;
+    };
+    std::vector<Expected> expected;
+    for (const Point& point : points_) {
+      const auto place = [&](int dc, int dr) {
+        return on_plane(grid_(point.column + dc, point.row + dr));
+      };
+      expected.push_back({place(0, 0), place(1, 0), place(0, 1)});
+    }
+    std::vector<std::vector<SeenMark>> of_view(views_.size());
+    std::vector<std::vector<std::size_t>> point_of(views_.size());
+    std::vector<BlurInformation> blur(views_.size());
+    std::vector<std::vector<std::size_t>> tried(views_.size());
+    const bool all = parallel_for(execution_, views_.size(), [&](std::size_t k, int) {
+      const LensView& view = views_[k];
+      for (std::size_t p = 0; p < points_.size(); ++p) {
+        BoardMark mark;
+        mark.pixel = picture_.pixel_of(view, expected[p].at);
+        if (length(mark.pixel - view.see.centre) > view.see.visible - 1) continue;
+        MicroView see = view.see;
+        const double from_nominal = defocus_[static_cast<std::size_t>(view.place.type)];
+        see.plane = view.blur_at(expected[p].at.z) + from_nominal;
+        see.stop += from_nominal;
+        const MarkFinder::Grid grid{picture_.pixel_of(view, expected[p].next_column) - mark.pixel,
+                                    picture_.pixel_of(view, expected[p].next_row) - mark.pixel};
+        if (board_.dots)
+          mark.shape = {dot_radius_, 0};
+        else
+          mark.shape = {std::atan2(grid.column.y, grid.column.x),
+                        std::atan2(grid.row.y, grid.row.x)};
+        tried[k].push_back(p);
+        BlurInformation own;
+        if (!picture_.finder().fit_expected(see, grid, mark, own) ||
+            parity(points_[p]) * dot(mark.diagonal, diagonal_) < 0)
+          continue;
+        blur[k].gradient += own.gradient;
+        blur[k].curvature += own.curvature;
+        of_view[k].push_back(picture_.seen_at(k, mark));
+        point_of[k].push_back(p);
+      }
+    });
+    if (!all) throw Cancelled();
+    std::vector<std::size_t> tries(points_.size());
+    for (const auto& points : tried)
+      for (const std::size_t p : points) ++tries[p];
+    take(of_view, point_of, tries, blur);
+  }
+
+  void take(const std::vector<std::vector<SeenMark>>& of_view,
+            const std::vector<std::vector<std::size_t>>& point_of,
+            const std::vector<std::size_t>& tries, const std::vector<BlurInformation>& blur) {
+    put_marks(of_view);
+    for (Point& point : points_) point.marks.clear(), point.diagonal = {};
+    std::size_t mark = 0;
+    for (const auto& points : point_of)
+      for (const std::size_t p : points) {
+        points_[p].marks.push_back(mark);
+        points_[p].diagonal = points_[p].diagonal + marks_[mark].mark.diagonal;
+        ++mark;
+      }
+    std::vector<Point> seen;
+    for (std::size_t p = 0; p < points_.size(); ++p)
+      if (points_[p].marks.size() >= 2 && 2 * points_[p].marks.size() > tries[p])
+        seen.push_back(points_[p]);
+    points_ = seen;
+    if (points_.size() < kFewestPoints)
+      throw InputError(
+          fmt::format("the board that is seen has {} points that show through two "
+                      "microlenses or more",
+                      points_.size()));
+    refit_plane();
+    set_axes();
+    for (Point& point : points_) {
+      Vec2 sum;
+      double weights = 0;
+      for (const std::size_t k : point.marks) {
+        const Vec3 p = point_of_mark(k);
+        const double weight = 1 / (marks_[k].mark.error * marks_[k].mark.error);
+        sum = sum + weight * Vec2{dot(p, right_), dot(p, down_)};
+        weights += weight;
+      }
+      point.place = (1 / weights) * sum;
+    }
+    grid_ = GridToPlane::of(points_, board_.cell);
+    for (std::size_t type = 0; type < defocus_.size(); ++type) {
+      double gradient = -defocus_[type] / (kDefocus * kDefocus),
+             curvature = 1 / (kDefocus * kDefocus);
+      for (std::size_t k = 0; k < views_.size(); ++k)
+        if (static_cast<std::size_t>(views_[k].place.type) == type) {
+          gradient += blur[k].gradient;
+          curvature += blur[k].curvature;
+        }
+      defocus_[type] += std::clamp(gradient / curvature, -kDefocus, kDefocus);
+    }
+  }
+
   /// Columns to the right and rows down in the picture, as far as the board allows, from its first
   /// point on.
   void orient(BoardCorners& found) {
-    struct Box {
-      int left = std::numeric_limits<int>::max(), right = std::numeric_limits<int>::min(),
-          top = left, bottom = right;
-    };
     const auto turned = [](const Point& p, int quarter) {
       switch (quarter) {
         case 0:
@@ -434,17 +509,15 @@ class BoardFinder {
     };
     int best = -1;
     double best_worth = -std::numeric_limits<double>::infinity();
-    Box best_box;
+    GridBox best_box;
     int widest = 0, highest = 0;
     for (int quarter = 0; quarter < 4; ++quarter) {
-      Box box;
+      GridBox box;
       for (const Point& point : points_) {
-        if (!point.labelled) continue;
         const auto [c, r] = turned(point, quarter);
-        box = {std::min(box.left, c), std::max(box.right, c), std::min(box.top, r),
-               std::max(box.bottom, r)};
+        box.add(c, r);
       }
-      const int columns = box.right - box.left + 1, rows = box.bottom - box.top + 1;
+      const int columns = box.columns(), rows = box.rows();
       if (quarter == 0) widest = columns, highest = rows;
       if (columns > board_.columns || rows > board_.rows) continue;
       // New first axis: the old one turned by this number of quarters.
@@ -454,7 +527,6 @@ class BoardFinder {
       if (!board_.dots && columns == board_.columns && rows == board_.rows &&
           (columns + rows) % 2 == 1)
         for (const Point& point : points_) {
-          if (!point.labelled) continue;
           const auto [c, r] = turned(point, quarter);
           const int parity = (c - box.left + r - box.top) % 2 == 0 ? 1 : -1;
           worth += 1e3 * parity * bright_along(point, angle);
@@ -470,15 +542,13 @@ class BoardFinder {
           fmt::format("a grid of {} x {} points is seen, more than the board's {} x {}", widest,
                       highest, board_.columns, board_.rows));
     for (const Point& point : points_) {
-      if (!point.labelled) continue;
       ++found.points;
       const auto [c, r] = turned(point, best);
       for (const std::size_t k : point.marks)
         found.corners.push_back({marks_[k].lens, marks_[k].mark.pixel, c - best_box.left,
                                  r - best_box.top, marks_[k].mark.error});
     }
-    found.whole = best_box.right - best_box.left + 1 == board_.columns &&
-                  best_box.bottom - best_box.top + 1 == board_.rows;
+    found.whole = best_box.columns() == board_.columns && best_box.rows() == board_.rows;
   }
 
   /// Tells how well bright squares lie along (1, 1) of two axes on the plane: -1 to 1. `angle` is
@@ -492,7 +562,14 @@ class BoardFinder {
 
   const BoardSpec& board_;
   const Execution& execution_;
-  Camera camera_;
+  BoardViews picture_;
+  const std::vector<LensView>& views_;
+  /// By type: what corners tell of MicroView::plane and stop beyond the camera.
+  std::vector<double> defocus_;
+  double dot_radius_ = 0;  ///< [pixel]
+  GridToPlane grid_;
+  Vec2 diagonal_;         ///< of the bright squares, at corners of even column and row together
+  std::size_t seen_ = 0;  ///< marks before the board was known
   std::vector<SeenMark> marks_;
   std::map<std::pair<int, int>, std::vector<std::size_t>> by_lens_;
   BoardPlane plane_;
@@ -504,12 +581,12 @@ class BoardFinder {
 }  // namespace
 
 BoardCorners find_board(const Image& light, const CameraSpec& camera, const BoardSpec& board,
-                        const Execution& execution) {
+                        const Image& white, const Execution& execution) {
   if (board.columns < 2 || board.rows < 2 || !(board.cell > 0))
     throw InputError("a board has at least 2 x 2 points, and a distance between them");
   if (!camera.array.present)
     throw InputError("boards are looked for in micro-images, and the camera has no array");
-  return BoardFinder(light, camera, board, execution).find();
+  return BoardFinder(light, white, camera, board, execution).find();
 }
 
 }  // namespace plenoflame

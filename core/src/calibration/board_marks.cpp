@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
+
+#include "math/levenberg_marquardt.h"
 
 namespace plenoflame {
 namespace {
@@ -11,11 +14,18 @@ namespace {
 /// [pixel] standard deviations of the Gaussian filter before the search for marks. Each dot should
 /// become one hill.
 constexpr double kSmoothing = 1.0, kDotSmoothing = 2.5;
-constexpr double kRim = 1.5;             ///< [pixel] at the edge of a micro-image that say nothing
+constexpr int kValues = 7;  ///< x, y, level, step of brightness, two of the shape, blur
+using MarkValues = Eigen::Matrix<double, kValues, 1>;
+using MarkEquations = NormalEquations<kValues>;
+
 constexpr double kLeastContrast = 0.08;  ///< of a mark's step, in units of the light about it
 constexpr double kWorstFit = 0.25;       ///< what a fit may leave, in units of that step
-constexpr double kWorstDot = 0.15;       ///< [pixel] deviation of a dot's place
-constexpr double kWindow = 4.5;          ///< [pixel] about a corner that are fitted
+constexpr double kWorstMark = 0.3;       ///< [pixel] deviation of a mark's place
+constexpr double kMostMove = 2;          ///< [pixel] of a mark from where it was expected
+constexpr double kStartBlur = 1, kMostBlur = 6;  ///< [pixel] radius of a sharp point's image
+constexpr double kLeastCell = 0.3;   ///< of the distance of marks, that sees no other one
+constexpr int kAperturePoints = 30;  ///< half of their number
+constexpr double kWindow = 4.5;      ///< [pixel] about a corner that are fitted
 constexpr int kFitSteps = 15;
 
 Image smoothed(const Image& light, double deviation) {
@@ -65,81 +75,94 @@ struct Curvature {
   double saddle() const { return xy * xy - xx * yy; }
 };
 
-/// Least squares of a mark's model with slopes by differences. Values: 0, 1 the place, 2 the step
-/// of brightness, 3 the level; others belong to the model.
-template <int kCount>
-struct MarkFit {
-  using Vector = Eigen::Matrix<double, kCount, 1>;
-  Vector values;
-  double rms = 0, place_error = 0;
-
-  /// @param model (values, x, y) -> light @return false: no end was found
-  template <class Model>
-  bool solve(const std::vector<Vec2>& places, const std::vector<double>& light,
-             const Model& model) {
-    const auto n = static_cast<Eigen::Index>(places.size());
-    if (n < kCount + 6) return false;
-    Eigen::Matrix<double, Eigen::Dynamic, kCount> rows(n, kCount);
-    Eigen::VectorXd rest(n);
-    const auto residuals = [&](const Vector& p, Eigen::VectorXd& r) {
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const auto k = static_cast<std::size_t>(i);
-        r(i) = light[k] - model(p, places[k]);
-      }
-      return r.squaredNorm();
-    };
-    double sum = residuals(values, rest), damping = 1e-3;
-    Eigen::Matrix<double, kCount, kCount> square;
-    for (int step = 0; step < kFitSteps; ++step) {
-      constexpr double kStep = 1e-4;
-      Eigen::VectorXd moved(n);
-      for (int c = 0; c < kCount; ++c) {
-        Vector p = values;
-        const double h = kStep * std::max(1.0, std::fabs(p(c)));
-        p(c) += h;
-        residuals(p, moved);
-        rows.col(c) = (rest - moved) / h;
-      }
-      square = rows.transpose() * rows;
-      auto damped = square;
-      damped.diagonal() *= 1 + damping;
-      const Vector change = damped.ldlt().solve(rows.transpose() * rest);
-      if (!change.allFinite()) return false;
-      const Vector next = values + change;
-      const double next_sum = residuals(next, moved);
-      if (!(next_sum <= sum)) {
-        damping *= 10;
-        if (damping > 1e6) break;
-        continue;
-      }
-      const double move = std::hypot(change(0), change(1));
-      values = next;
-      sum = next_sum;
-      rest = moved;
-      damping *= 0.1;
-      if (move < 1e-4) break;
-    }
-    rms = std::sqrt(sum / static_cast<double>(n - kCount));
-    const auto inverse =
-        square.ldlt().solve(Eigen::Matrix<double, kCount, kCount>::Identity().eval());
-    place_error = rms * std::sqrt(std::max(0.0, 0.5 * (inverse(0, 0) + inverse(1, 1))));
-    return std::isfinite(place_error);
+/// The share of a square pixel on the bright side of an edge, twice, less one.
+struct Step {
+  double value, slope;
+  /// @param cosine, sine of the direction across the edge
+  Step(double distance, double cosine, double sine) {
+    const double a = std::max(std::fabs(cosine), std::fabs(sine)),
+                 b = std::max(std::min(std::fabs(cosine), std::fabs(sine)), 1e-6);
+    const double t = std::fabs(distance), rest = 0.5 * (a + b) - t;
+    const bool within = t <= 0.5 * (a - b);
+    value = within ? 2 * t / a : rest > 0 ? 1 - rest * rest / (a * b) : 1;
+    slope = within ? 2 / a : rest > 0 ? 2 * rest / (a * b) : 0;
+    if (distance < 0) value = -value;
   }
 };
 
-double soft_edge(double distance, double width) {
-  return std::erf(distance / (std::numbers::sqrt2 * width));
+/// Brightness of the sharp pattern between -1 and 1 at a distance from the mark, and its
+/// derivatives by that distance and by the shape.
+struct Pattern {
+  double value = 0;
+  Vec2 slope;
+  std::array<double, 2> by_shape{};
+};
+
+struct CornerPattern {
+  double c0, s0, c1, s1;
+  explicit CornerPattern(const MarkValues& p)
+      : c0(std::cos(p[4])), s0(std::sin(p[4])), c1(std::cos(p[5])), s1(std::sin(p[5])) {}
+  Pattern operator()(Vec2 d) const {
+    // Distances from the edges. Both are positive between the two angles.
+    const Step u(c0 * d.y - s0 * d.x, c0, s0), v(s1 * d.x - c1 * d.y, c1, s1);
+    const double a = u.slope * v.value, b = u.value * v.slope;
+    return {u.value * v.value,
+            {-a * s0 + b * s1, a * c0 - b * c1},
+            {-a * (s0 * d.y + c0 * d.x), b * (c1 * d.x + s1 * d.y)}};
+  }
+};
+
+struct DotPattern {
+  double radius;
+  explicit DotPattern(const MarkValues& p) : radius(std::fabs(p[4])) {}
+  Pattern operator()(Vec2 d) const {
+    const double r = length(d);
+    const double n = std::max(r, 1e-12);
+    const Step u(radius - r, d.x / n, d.y / n);
+    return {u.value, (r > 0 ? -u.slope / r : 0.0) * d, {u.slope, 0}};
+  }
+};
+
+/// Points of equal area, alike on both sides of the middle: a spiral of equal angles (Vogel 1979,
+/// Math. Biosci. 44, 179).
+std::vector<Vec2> points_of(const MicrolensAperture& aperture, Vec2 pixel) {
+  const double turn = std::numbers::pi * (3 - std::sqrt(5.0));
+  std::vector<Vec2> points;
+  for (int k = 0; k < kAperturePoints; ++k) {
+    const double r = aperture.radius() * std::sqrt((k + 0.5) / kAperturePoints);
+    const Vec2 at{r * std::cos(k * turn), r * std::sin(k * turn)};
+    if (!aperture.holds(at)) continue;
+    points.push_back({at.x / pixel.x, at.y / pixel.y});
+    points.push_back(-1.0 * points.back());
+  }
+  return points;
 }
 
-double bounded_width(double width) {
-  return std::clamp(std::fabs(width), 0.3, 4.0);
-}
+/// The light of a pixel through a point of the microlens, and its derivative by the pixel's place.
+struct Passed {
+  double light = 1;
+  Vec2 slope;
+  Passed(const MicroView& view, Vec2 pixel, Vec2 q) {
+    if (view.radius > 0) {
+      const Vec2 d = pixel - view.centre - view.stop * q;
+      const double r = std::max(std::hypot(d.x, d.y), 1e-12);
+      const Step step(view.radius - r, d.x / r, d.y / r);
+      light = 0.5 + 0.5 * step.value;
+      slope = (-0.5 * step.slope / r) * d;
+    }
+    // cos^4 of the angle with the axis.
+    const Vec2 tangent = (1 / view.distance) * (pixel - view.lens - q);
+    light /= std::pow(1 + dot(tangent, tangent), 2);
+  }
+};
 
 }  // namespace
 
-MarkFinder::MarkFinder(const Image& light, bool dots)
+MarkFinder::MarkFinder(const Image& light, bool dots, const MicrolensAperture& aperture, Vec2 pixel)
     : light_(light),
       dots_(dots),
+      aperture_(points_of(aperture, pixel)),
+      lens_radius_(aperture.radius() / pixel.x),
       smooth_(smoothed(light, dots ? kDotSmoothing : kSmoothing)),
       strength_(light.width, light.height) {
   for (int y = 1; y < light.height - 1; ++y)
@@ -149,8 +172,24 @@ MarkFinder::MarkFinder(const Image& light, bool dots)
     }
 }
 
-/// Pixels within `reach` of a place, and well within the micro-image.
-MarkFinder::Patch MarkFinder::patch(Vec2 about, double reach, Vec2 centre, double radius) const {
+/// Pixels about a mark.
+struct MarkFinder::Patch {
+  std::vector<Vec2> places;    ///< [pixel] from the mark
+  std::vector<double> light;   ///< over its mean
+  std::vector<double> weight;  ///< share of the microlens that they see through
+  std::vector<float> shares;   ///< of each point of the microlens, for each pixel; their sum is 1
+};
+
+struct MarkFinder::Fit {
+  MarkValues values = MarkValues::Zero();
+  MarkEquations equations;
+  double rms = 0, place_error = 0, step = 0;
+};
+
+/// @param takes (place from `about`) -> whether a pixel is used
+template <class Takes>
+MarkFinder::Patch MarkFinder::patch(Vec2 about, double reach, const MicroView& view,
+                                    const Takes& takes) const {
   Patch patch;
   double mean = 0;
   const auto x0 = static_cast<int>(std::floor(about.x - reach)),
@@ -158,12 +197,30 @@ MarkFinder::Patch MarkFinder::patch(Vec2 about, double reach, Vec2 centre, doubl
   const int side = static_cast<int>(2 * reach) + 2;
   for (int y = std::max(y0, 0); y < std::min(y0 + side, light_.height); ++y)
     for (int x = std::max(x0, 0); x < std::min(x0 + side, light_.width); ++x) {
-      const Vec2 p{x + 0.5, y + 0.5};
+      const Vec2 p{x + 0.5, y + 0.5}, from_centre = p - view.centre;
       const auto value = static_cast<double>(light_.at(x, y));
-      if (length(p - about) > reach || length(p - centre) > radius - kRim || !std::isfinite(value))
+      if (length(from_centre) > view.visible || !std::isfinite(value) || !takes(p - about))
         continue;
-      patch.places.push_back(p - about);
+      const std::size_t first = patch.shares.size();
+      double sum = 0;
+      Vec2 slope;
+      for (const Vec2 q : aperture_) {
+        const Passed passed(view, p, q);
+        sum += passed.light;
+        slope = slope + passed.slope;
+        patch.shares.push_back(static_cast<float>(passed.light));
+      }
+      if (!(sum > 0)) {
+        patch.shares.resize(first);
+        continue;
+      }
+      for (std::size_t k = first; k < patch.shares.size(); ++k)
+        patch.shares[k] /= static_cast<float>(sum);
+      // The middle of a pixel's light, at the edge of the stop's image.
+      constexpr double kPixel = 1.0 / 12;  // second moment of a pixel
+      patch.places.push_back(p - about + (kPixel / sum) * slope);
       patch.light.push_back(value);
+      patch.weight.push_back(sum / static_cast<double>(aperture_.size()));
       mean += value;
     }
   mean /= static_cast<double>(std::max<std::size_t>(patch.light.size(), 1));
@@ -172,67 +229,187 @@ MarkFinder::Patch MarkFinder::patch(Vec2 about, double reach, Vec2 centre, doubl
   return patch;
 }
 
-/// Two edges that cross, each a blurred step: level + step f(u) f(v).
-bool MarkFinder::fit_corner(Vec2 centre, double radius, BoardMark& mark) const {
-  const auto [places, light] = patch(mark.pixel, kWindow, centre, radius);
-  const double turn = 0.5 * std::atan2(mark.diagonal.y, mark.diagonal.x);
-  // The edges lie half a right angle to both sides of the bright diagonal.
-  MarkFit<9> fit;
-  fit.values << 0, 0, 0.5, 1, turn - 0.25 * std::numbers::pi, turn + 0.25 * std::numbers::pi, 1, 0,
-      0;
-  const auto model = [](const MarkFit<9>::Vector& p, Vec2 at) {
-    const double x = at.x - p(0), y = at.y - p(1), width = bounded_width(p(6));
-    // Distances from the edges, which run along the angles p(4) and p(5).
-    const double u = std::cos(p(4)) * y - std::sin(p(4)) * x;
-    const double v = std::sin(p(5)) * x - std::cos(p(5)) * y;
-    return p(3) + p(7) * x + p(8) * y + p(2) * soft_edge(u, width) * soft_edge(v, width);
+/// Least squares from fit.values on. @return false: no end was found
+bool MarkFinder::solve(const Patch& patch, bool free_blur, Fit& fit) const {
+  const std::size_t n = patch.places.size(), points = aperture_.size();
+  if (n < static_cast<std::size_t>(kValues) + 4) return false;
+  // The mean pattern at each pixel, and its derivatives by place, shape and blur.
+  const auto means_of = [&](const MarkValues& p, const auto& use) {
+    const auto with = [&](const auto& pattern) {
+      for (std::size_t i = 0; i < n; ++i) {
+        double value = 0;
+        MarkValues slope = MarkValues::Zero();
+        for (std::size_t k = 0; k < points; ++k) {
+          const auto share = static_cast<double>(patch.shares[i * points + k]);
+          if (share == 0) continue;
+          const Vec2 q = aperture_[k];
+          const Pattern at = pattern(patch.places[i] - Vec2{p[0], p[1]} - p[6] * q);
+          value += share * at.value;
+          slope[0] -= share * at.slope.x;
+          slope[1] -= share * at.slope.y;
+          slope[4] += share * at.by_shape[0];
+          slope[5] += share * at.by_shape[1];
+          slope[6] -= share * dot(at.slope, q);
+        }
+        use(i, value, slope);
+      }
+    };
+    if (dots_)
+      with(DotPattern(p));
+    else
+      with(CornerPattern(p));
   };
-  if (!fit.solve(places, light, model)) return false;
-  const Vec2 move{fit.values(0), fit.values(1)};
-  const double step = std::fabs(fit.values(2));
-  const double crossing = std::fabs(std::sin(fit.values(4) - fit.values(5)));
-  if (!(length(move) < 2) || step < kLeastContrast || step > 3 || fit.rms > kWorstFit * step ||
-      crossing < 0.4)
+  // Level and step of the start.
+  double w = 0, wv = 0, wvv = 0, wl = 0, wvl = 0;
+  means_of(fit.values, [&](std::size_t i, double value, const MarkValues&) {
+    const double weight = patch.weight[i], light = patch.light[i];
+    w += weight;
+    wv += weight * value;
+    wvv += weight * value * value;
+    wl += weight * light;
+    wvl += weight * value * light;
+  });
+  const double spread = w * wvv - wv * wv;
+  if (!(spread > 1e-6 * w * w)) return false;
+  fit.values[3] = (w * wvl - wv * wl) / spread;
+  fit.values[2] = (wl - fit.values[3] * wv) / w;
+  const auto evaluate = [&](const MarkValues& p) -> std::optional<MarkEquations> {
+    MarkEquations equations;
+    equations.square.setZero();
+    equations.right.setZero();
+    means_of(p, [&](std::size_t i, double value, MarkValues& slope) {
+      slope *= p[3];
+      slope[2] = 1;
+      slope[3] = value;
+      const double off = patch.light[i] - p[2] - p[3] * value, weight = patch.weight[i];
+      equations.square += weight * slope * slope.transpose();
+      equations.right += weight * off * slope;
+      equations.sum += weight * off * off;
+    });
+    return equations;
+  };
+  const auto held = [&](MarkEquations& equations) {
+    for (const int k : {5, 6}) {
+      if (k == 5 ? !dots_ : free_blur) continue;
+      equations.square.row(k).setZero();
+      equations.square.col(k).setZero();
+      equations.square(k, k) = 1;
+      equations.right[k] = 0;
+    }
+  };
+  const double most_blur = kMostBlur / lens_radius_;
+  MarkEquations here;
+  minimise(
+      fit.values, here,
+      [&](const MarkValues& p) {
+        std::optional<MarkEquations> equations = evaluate(p);
+        held(*equations);
+        return equations;
+      },
+      [&](const MarkValues& p, const MarkValues& change) {
+        MarkValues next = p + change;
+        next[6] = std::clamp(next[6], -most_blur, most_blur);
+        return next;
+      },
+      {kFitSteps, 1e-3, 1e4, 1e-6});
+  fit.equations = *evaluate(fit.values);
+  const Eigen::Matrix<double, kValues, kValues> inverse =
+      here.square.ldlt().solve(Eigen::Matrix<double, kValues, kValues>::Identity());
+  fit.step = std::fabs(fit.values[3]);
+  double weights = 0;
+  for (const double weight : patch.weight) weights += weight;
+  const double freedom = static_cast<double>(n) - kValues;
+  const double variance = here.sum / freedom;
+  fit.rms = std::sqrt(here.sum / weights);
+  fit.place_error = std::sqrt(std::max(0.0, 0.5 * variance * (inverse(0, 0) + inverse(1, 1))));
+  return std::isfinite(fit.place_error) && fit.place_error > 0;
+}
+
+bool MarkFinder::accept(const Fit& fit, const MicroView& view, BoardMark& mark) const {
+  const Vec2 move{fit.values[0], fit.values[1]};
+  if (!(length(move) < kMostMove) || fit.step < kLeastContrast || fit.step > 3 ||
+      fit.rms > kWorstFit * fit.step || fit.place_error > kWorstMark)
     return false;
   mark.pixel = mark.pixel + move;
-  if (length(mark.pixel - centre) > radius - kRim - 1) return false;
-  // u and v are positive between the two angles.
+  if (length(mark.pixel - view.centre) > view.visible - 1) return false;
+  mark.error = fit.place_error;
+  mark.shape = {fit.values[4], fit.values[5]};
+  if (dots_) {
+    mark.diagonal = {fit.values[3] > 0 ? 1.0 : -1.0, 0};
+    return std::fabs(mark.shape[0]) > 0.5;
+  }
+  if (std::fabs(std::sin(mark.shape[0] - mark.shape[1])) < 0.4) return false;
   const double bright =
-      0.5 * (fit.values(4) + fit.values(5)) + (fit.values(2) > 0 ? 0 : 0.5 * std::numbers::pi);
+      0.5 * (mark.shape[0] + mark.shape[1]) + (fit.values[3] > 0 ? 0 : 0.5 * std::numbers::pi);
   mark.diagonal = {std::cos(2 * bright), std::sin(2 * bright)};
-  mark.error = fit.place_error;
   return true;
 }
 
-/// A disc with a soft edge: level + step f(radius - distance).
-bool MarkFinder::fit_dot(Vec2 centre, double radius, double size, BoardMark& mark) const {
-  const auto [places, light] = patch(mark.pixel, std::min(1.7 * size + 2, radius), centre, radius);
-  const Curvature c(smooth_, static_cast<int>(mark.pixel.x), static_cast<int>(mark.pixel.y));
-  MarkFit<8> fit;
-  fit.values << 0, 0, c.xx + c.yy > 0 ? -0.4 : 0.4, 1, size, 1, 0, 0;
-  const auto model = [](const MarkFit<8>::Vector& p, Vec2 at) {
-    const double x = at.x - p(0), y = at.y - p(1);
-    return p(3) + p(6) * x + p(7) * y +
-           p(2) * soft_edge(std::fabs(p(4)) - std::hypot(x, y), bounded_width(p(5)));
+bool MarkFinder::fit_corner(const MicroView& view, BoardMark& mark) const {
+  const double turn = 0.5 * std::atan2(mark.diagonal.y, mark.diagonal.x);
+  Fit fit;
+  // The edges lie half a right angle to both sides of the bright diagonal.
+  fit.values << 0, 0, 0, 0, turn - 0.25 * std::numbers::pi, turn + 0.25 * std::numbers::pi,
+      kStartBlur / lens_radius_;
+  MicroView whole = view;
+  whole.radius = 0;
+  return solve(patch(mark.pixel, kWindow, whole, [](Vec2 d) { return length(d) < kWindow; }), true,
+               fit) &&
+         accept(fit, view, mark);
+}
+
+bool MarkFinder::fit_dot(const MicroView& view, double size, BoardMark& mark) const {
+  Fit fit;
+  fit.values << 0, 0, 0, 0, size, 0, kStartBlur / lens_radius_;
+  MicroView whole = view;
+  whole.radius = 0;
+  const double reach = 1.7 * size + 2;
+  return solve(patch(mark.pixel, reach, whole, [&](Vec2 d) { return length(d) < reach; }), true,
+               fit) &&
+         accept(fit, view, mark) &&
+         // Most of the dot lies in the micro-image, or its middle is a guess.
+         length(mark.pixel - view.centre) + 0.3 * std::fabs(mark.shape[0]) < view.visible;
+}
+
+bool MarkFinder::fit_expected(const MicroView& view, const Grid& grid, BoardMark& mark,
+                              BlurInformation& blur) const {
+  const double area = std::fabs(grid.column.x * grid.row.y - grid.column.y * grid.row.x);
+  const double soft = std::fabs(view.plane) * lens_radius_ + 1;
+  // Pixels that see the next mark are left out.
+  const double columns = 1 - soft * length(grid.row) / area,
+               rows = 1 - soft * length(grid.column) / area;
+  if (!(columns > kLeastCell && rows > kLeastCell)) return false;
+  Fit fit;
+  fit.values << 0, 0, 0, 0, mark.shape[0], mark.shape[1], view.plane;
+  const auto takes = [&](Vec2 d) {
+    if (dots_)
+      return length(d) < std::min(length(grid.column), length(grid.row)) - soft - mark.shape[0];
+    return std::fabs(d.x * grid.row.y - d.y * grid.row.x) < columns * area &&
+           std::fabs(d.x * grid.column.y - d.y * grid.column.x) < rows * area;
   };
-  if (!fit.solve(places, light, model)) return false;
-  const Vec2 move{fit.values(0), fit.values(1)};
-  const double step = std::fabs(fit.values(2)), found = std::fabs(fit.values(4));
-  if (!(length(move) < 2) || step < kLeastContrast || step > 3 || fit.rms > kWorstFit * step ||
-      !(found > 0.5))
+  const double reach = length(view.centre - mark.pixel) + view.visible;
+  if (!solve(patch(mark.pixel, reach, view, takes), false, fit) || !accept(fit, view, mark))
     return false;
-  mark.pixel = mark.pixel + move;
-  // Most of the dot lies in the micro-image, or its middle is a guess.
-  if (length(mark.pixel - centre) + 0.3 * found > radius - kRim || fit.place_error > kWorstDot)
-    return false;
-  mark.diagonal = {fit.values(2) > 0 ? 1.0 : -1.0, 0};
-  mark.error = fit.place_error;
+  // The curvature over the blur while all other values follow.
+  const Eigen::Matrix<double, 6, 6> others =
+      fit.equations.square.topLeftCorner<6, 6>() + 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
+  const Eigen::Matrix<double, 6, 1> mixed = fit.equations.square.topRightCorner<6, 1>();
+  const double variance = fit.rms * fit.rms;
+  blur.gradient = fit.equations.right[6] / variance;
+  blur.curvature = (fit.equations.square(6, 6) - mixed.dot(others.ldlt().solve(mixed))) / variance;
   return true;
 }
 
-std::vector<BoardMark> MarkFinder::marks_in(Vec2 centre, double radius) const {
+double MarkFinder::white(const MicroView& view, Vec2 pixel) const {
+  double sum = 0;
+  for (const Vec2 q : aperture_) sum += Passed(view, pixel, q).light;
+  return sum / static_cast<double>(aperture_.size());
+}
+
+std::vector<BoardMark> MarkFinder::marks_in(const MicroView& view) const {
   std::vector<BoardMark> marks;
-  const double inner = radius - kRim - 1;
+  const Vec2 centre = view.centre;
+  const double inner = view.visible - 1;
   if (!(inner > 2)) return marks;
   const int x0 = std::max(3, static_cast<int>(centre.x - inner)),
             x1 = std::min(light_.width - 4, static_cast<int>(centre.x + inner)),
@@ -265,13 +442,13 @@ std::vector<BoardMark> MarkFinder::marks_in(Vec2 centre, double radius) const {
       if (dots_) {
         for (const double size : {2.0, 3.5, 5.5}) {
           BoardMark tried = mark;
-          if (!fit_dot(centre, radius, size, tried)) continue;
+          if (!fit_dot(view, size, tried)) continue;
           fits = true;
           mark = tried;
           break;
         }
       } else {
-        fits = fit_corner(centre, radius, mark);
+        fits = fit_corner(view, mark);
       }
       if (!fits) continue;
       // Two starts may end at one place.

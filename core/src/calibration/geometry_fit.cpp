@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "calibration/seen_lines.h"
+#include "math/levenberg_marquardt.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -81,41 +82,29 @@ void GeometryFit::put(const State& state) {
 
 int GeometryFit::solve(const std::vector<const FreeValue*>& free, const Execution& execution) {
   free_ = free;
-  double damping = 1e-6, cost = 0;
+  State best = state();
+  NormalEquations<Eigen::Dynamic> here;
+  const int steps = minimise(
+      best, here,
+      [&](const State& next) -> std::optional<NormalEquations<Eigen::Dynamic>> {
+        if (execution.stop.stop_requested()) throw Cancelled();
+        put(next);
+        try {
+          linearise();
+        } catch (const InputError&) {  // a camera that cannot be
+          return std::nullopt;
+        }
+        return NormalEquations<Eigen::Dynamic>{square_, -right_, cost_};
+      },
+      [&](const State& from, const Eigen::VectorXd& change) {
+        put(from);
+        apply(change);
+        return state();
+      },
+      {kMostFitSteps, 1e-6, 1e6, kFitConverged});
+  put(best);
   linearise();
-  cost = cost_;
-  int step = 0;
-  for (; step < kMostFitSteps; ++step) {
-    if (execution.stop.stop_requested()) throw Cancelled();
-    const State before = state();
-    const Eigen::MatrixXd square = square_;
-    const Eigen::VectorXd right = right_;
-    bool better = false;
-    for (int attempt = 0; attempt < 12 && !better; ++attempt) {
-      Eigen::MatrixXd damped = square;
-      damped.diagonal() *= 1 + damping;
-      apply(-damped.ldlt().solve(right));
-      bool sound = true;
-      try {
-        linearise();
-      } catch (const InputError&) {  // a camera that cannot be
-        sound = false;
-      }
-      better = sound && std::isfinite(cost_) && cost_ <= cost;
-      if (better) break;
-      put(before);
-      damping *= 10;
-    }
-    if (!better) {
-      linearise();
-      break;
-    }
-    damping = std::max(1e-12, 0.1 * damping);
-    const double change = cost - cost_;
-    cost = cost_;
-    if (change <= kFitConverged * cost) break;
-  }
-  return step;
+  return steps;
 }
 
 void GeometryFit::update_noise() {

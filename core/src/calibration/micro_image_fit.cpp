@@ -5,13 +5,16 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
+
+#include "math/levenberg_marquardt.h"
 
 namespace plenoflame {
 namespace {
 
 constexpr int kParameters = 8;  ///< centre x, y, radius, blur, light, slope x, y, background
 using Vector = Eigen::Matrix<double, kParameters, 1>;
-using Square = Eigen::Matrix<double, kParameters, kParameters>;
+using DiscEquations = NormalEquations<kParameters>;
 
 /// A pixel is as wide as the edge of a sharper disc would seem.
 constexpr double kLeastBlur = 0.6;
@@ -62,16 +65,15 @@ double disc_model(const Vector& p, const std::vector<Vec2>& steps, const CellPix
   return value;
 }
 
-/// Sum of squares, and the normal equations' upper half.
-double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<Vec2>& steps,
-                        const Vector& p, Square& matrix, Vector& gradient) {
-  double sum = 0;
+DiscEquations normal_equations(const std::vector<CellPixel>& pixels, const std::vector<Vec2>& steps,
+                               const Vector& p) {
+  DiscEquations equations;
   Vector slope;
   // Whole rows of a local array: the compiler adds several columns at once.
   double rows[kParameters][kParameters] = {}, right[kParameters] = {};
   for (const CellPixel& pixel : pixels) {
     const double off = pixel.value - disc_model(p, steps, pixel, slope);
-    sum += off * off;
+    equations.sum += off * off;
     double s[kParameters];
     for (int a = 0; a < kParameters; ++a) s[a] = slope[a];
     for (int a = 0; a < kParameters; ++a) {
@@ -81,10 +83,10 @@ double normal_equations(const std::vector<CellPixel>& pixels, const std::vector<
     }
   }
   for (int a = 0; a < kParameters; ++a) {
-    gradient[a] = right[a];
-    for (int b = 0; b < kParameters; ++b) matrix(a, b) = b < a ? 0 : rows[a][b];
+    equations.right[a] = right[a];
+    for (int b = 0; b < kParameters; ++b) equations.square(a, b) = rows[a][b];
   }
-  return sum;
+  return equations;
 }
 
 /// Radius of the uniform disc with the second moment of the light, without the pixels' own moment.
@@ -166,41 +168,22 @@ MicroImageFit fit_micro_image(const Image& white, const LatticeCell& cell,
   }
   // If micro-images touch, few pixels determine the background: it is pulled to 0.
   const double pull = 0.01 * static_cast<double>(pixels.size());
-  const auto misfit = [&](const Vector& at, Square& matrix, Vector& gradient) {
-    const double sum = normal_equations(pixels, steps, at, matrix, gradient);
-    matrix(7, 7) += pull;
-    gradient[7] -= pull * at[7];
-    return sum + pull * at[7] * at[7];
+  const auto misfit = [&](const Vector& at) -> std::optional<DiscEquations> {
+    DiscEquations equations = normal_equations(pixels, steps, at);
+    equations.square(7, 7) += pull;
+    equations.right[7] -= pull * at[7];
+    equations.sum += pull * at[7] * at[7];
+    return equations;
   };
-  double damping = 1e-4;
-  Square matrix;
-  Vector gradient;
-  double sum = misfit(p, matrix, gradient);
-  for (int step = 0; step < 12; ++step) {
-    Square damped = matrix;
-    for (int a = 0; a < kParameters; ++a)
-      damped(a, a) += damping * matrix(a, a) + 1e-9 * matrix(4, 4);
-    const Vector change = damped.selfadjointView<Eigen::Upper>().ldlt().solve(gradient);
-    Vector next = p + change;
+  const auto moved = [&](const Vector& at, const Vector& change) {
+    Vector next = at + change;
     next[2] = std::clamp(next[2], 1.0, largest_radius);
     next[3] = std::clamp(next[3], kLeastBlur, std::max(kLeastBlur, 0.95 * next[2]));
-    Square next_matrix;
-    Vector next_gradient;
-    const double next_sum = misfit(next, next_matrix, next_gradient);
-    if (!(next_sum <= sum * (1 + 1e-12))) {
-      damping = std::max(damping, 1e-3) * 10;
-      if (damping > 1e4) break;
-      continue;
-    }
-    const double moved = (next - p).head<4>().cwiseAbs().maxCoeff();
-    p = next;
-    sum = next_sum;
-    matrix = next_matrix;
-    gradient = next_gradient;
-    damping *= 0.1;
-    if (moved < 3e-3) break;
-  }
-  sum -= pull * p[7] * p[7];
+    return next;
+  };
+  DiscEquations found;
+  minimise(p, found, misfit, moved, {12, 1e-4, 1e4, 1e-5});
+  const double sum = found.sum - pull * p[7] * p[7];
   fit.centre = start.centre + Vec2{p[0], p[1]};
   fit.radius = p[2];
   fit.blur = p[3];

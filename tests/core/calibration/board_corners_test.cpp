@@ -23,7 +23,6 @@ constexpr const char* kCamera = R"toml(
 [camera.lens]
 model = "ideal"
 focal_length = "50 mm"
-diameter = "16 mm"
 [camera.array]
 lattice = "hexagonal"
 model = "ideal"
@@ -32,9 +31,6 @@ diameter = "124 um"
 rotation = "4 mrad"
 offset = ["20 um", "-30 um"]
 sensor_distance = "0.4 mm"
-[[camera.array.types]]
-name = "all"
-focal_length = "0.5 mm"
 [camera.focus]
 mode = "distance"
 lens_distance = "57.5 mm"
@@ -52,44 +48,78 @@ kind = "environment"
 radiance = "10 W/(m^2 sr)"
 )toml";
 
+constexpr const char* kOneType = R"toml(
+[[camera.array.types]]
+name = "all"
+focal_length = "0.5 mm"
+)toml";
+constexpr const char* kThreeTypes = R"toml(
+[[camera.array.types]]
+name = "a"
+focal_length = "0.5 mm"
+[[camera.array.types]]
+name = "b"
+focal_length = "0.46 mm"
+[[camera.array.types]]
+name = "c"
+focal_length = "0.56 mm"
+)toml";
+
 struct Picture {
   Image light;
   CameraSpec camera;
   std::vector<PatternImage> truth;
 };
 
-/// @param kind of pattern @param y [mm] place of the board's middle across the axis
-Picture picture_of(const std::string& kind, int columns, int rows, double y = 0.2) {
-  const std::string board = R"(
-[[surfaces]]
-name = "board"
-shape = "plane"
-position = ["313 mm", ")" + std::to_string(y) +
-                            R"( mm", "-0.3 mm"]
-rotation = ["8 deg", "-102 deg", "10 deg"]
-extent = ["60 mm", "60 mm"]
-material.reflectivity = 0.9
-[surfaces.material.texture]
-kind = ")" + kind + R"("
-dark = 0.05
-cell = "2.5 mm"
-columns = )" + std::to_string(columns) +
-                            "\nrows = " + std::to_string(rows) + "\n";
-  const CompiledScene scene = compile(parse_scene(std::string(kCamera) + board, "test.toml").scene);
+/// @param types of microlenses
+Picture clean_picture(const std::string& board, const char* types, double f_number, int samples) {
+  const std::string aperture =
+      "[camera.lens]\ndiameter = \"" + std::to_string(50 / f_number) + " mm\"";
+  std::string camera = kCamera;
+  camera.replace(camera.find("[camera.lens]"), 13, aperture);
+  const CompiledScene scene = compile(parse_scene(camera + types + board, "test.toml").scene);
   RenderSettings settings;
-  settings.samples = 16;
-  Picture picture{render(scene, settings).light_field.channels[0].flux, scene.scene.camera,
-                  pattern_images(scene, 1024, {})};
-  // 4000 electrons in the brightest pixels, without units.
+  settings.samples = samples;
+  return {render(scene, settings).light_field.channels[0].flux, scene.scene.camera,
+          pattern_images(scene, 1024, {})};
+}
+
+/// @param electrons in the brightest pixels
+Picture with_noise(Picture picture, float electrons) {
   float brightest = 0;
   for (const float value : picture.light.pixels) brightest = std::max(brightest, value);
   std::mt19937_64 random(7);
   std::normal_distribution<float> normal;
   for (float& value : picture.light.pixels) {
-    value *= 4000 / brightest;
+    value *= electrons / brightest;
     value += std::sqrt(std::max(value, 0.0F) + 36) * normal(random);
   }
   return picture;
+}
+
+/// @param y [mm] of the middle across the axis @param cell [mm]
+std::string board_of(const std::string& kind, int columns, int rows, double y, double cell) {
+  return R"(
+[[surfaces]]
+name = "board"
+shape = "plane"
+position = ["313 mm", ")" +
+         std::to_string(y) + R"( mm", "-0.3 mm"]
+rotation = ["8 deg", "-102 deg", "10 deg"]
+extent = ["60 mm", "60 mm"]
+material.reflectivity = 0.9
+[surfaces.material.texture]
+kind = ")" +
+         kind + R"("
+dark = 0.05
+cell = ")" +
+         std::to_string(cell) + " mm\"\ncolumns = " + std::to_string(columns) +
+         "\nrows = " + std::to_string(rows) + "\n";
+}
+
+Picture picture_of(const std::string& kind, int columns, int rows, double y = 0.2) {
+  return with_noise(clean_picture(board_of(kind, columns, rows, y, 2.5), kOneType, 3.125, 16),
+                    4000);
 }
 
 /// Each corner that was found lies where the rays of one point arrive, and names one and the same
@@ -194,6 +224,88 @@ TEST(BoardCorners, SaysWhatWasSeen) {
   EXPECT_NE(reason(Image(20, 20), {false, 5, 4, 2.5e-3}).find("20 x 20"), std::string::npos);
   EXPECT_NE(reason(picture.light, {false, 1, 4, 2.5e-3}).find("2 x 2"), std::string::npos);
 }
+
+/// Pixel of a point at p (camera axes) behind a microlens at c: the thin lens images p, and a
+/// straight line goes from that through c.
+Vec2 thin_projection(const CameraSpec& s, Vec3 p, Vec2 c) {
+  const double behind = 1 / (1 / s.lens.focal_length - 1 / p.z), a = s.focus.lens_distance - behind;
+  const Vec2 at = c + (s.array.sensor_distance / a) * (c + (behind / p.z) * Vec2{p.x, p.y});
+  return {0.5 * s.sensor.columns - at.x / s.sensor.pixel_pitch,
+          0.5 * s.sensor.rows - at.y / s.sensor.pixel_pitch};
+}
+
+/// Errors of corners in a part of the micro-images.
+struct CornerErrors {
+  double count = 0, outwards = 0, squares = 0, pulls = 0;
+};
+
+// Stop and microlenses blur and cut off what surrounds a corner. Its place moves neither outwards
+// in the micro-image nor by more than its stated error, whether micro-images touch or are small.
+class CornerPlaces : public testing::TestWithParam<double> {};
+
+/// Errors by type and by whether a corner lies near the rim of its micro-image.
+std::map<std::pair<int, bool>, CornerErrors> corner_errors(const Picture& picture,
+                                                           double f_number) {
+  const CameraSpec& camera = picture.camera;
+  const BoardCorners found = find_board(picture.light, camera, {false, 5, 4, 3e-3});
+  EXPECT_GE(found.points, f_number < 6 ? 20u : 14u);
+  const MicrolensLattice lattice(camera.array);
+  const double stop = 0.5 * camera.array.sensor_distance * camera.lens.focal_length / f_number /
+                      camera.focus.lens_distance / camera.sensor.pixel_pitch;
+  std::map<std::pair<int, bool>, CornerErrors> parts;
+  for (const BoardCorner& corner : found.corners) {
+    const Vec2 c = lattice.centre(corner.lens);
+    Vec2 truth;
+    double least = std::numeric_limits<double>::infinity();
+    for (const PatternImage& image : picture.truth) {
+      const Vec2 pixel = thin_projection(camera, image.in_camera, c);
+      if (length(pixel - corner.pixel) >= least) continue;
+      least = length(pixel - corner.pixel);
+      truth = pixel;
+    }
+    // The ray through the middle of the stop.
+    const Vec2 out = truth - thin_projection(camera, {0, 0, 1e-9}, c), off = corner.pixel - truth;
+    CornerErrors& part = parts[{lattice.type(corner.lens), length(out) > 0.6 * stop}];
+    part.count += 1;
+    part.outwards += dot(off, out) / length(out);
+    part.squares += 0.5 * dot(off, off);
+    part.pulls += 0.5 * dot(off, off) / (corner.error * corner.error);
+  }
+  return parts;
+}
+
+TEST_P(CornerPlaces, AreThoseOfTheMiddleOfTheMicrolens) {
+  const double f_number = GetParam();
+  const Picture clean =
+      clean_picture(board_of("checkerboard", 6, 5, 0.2, 3), kThreeTypes, f_number, 64);
+  CornerErrors all;
+  for (const auto& [where, part] : corner_errors(with_noise(clean, 4000), f_number)) {
+    const double outwards = part.outwards / part.count,
+                 noise = std::sqrt(part.squares) / part.count;
+    std::printf("f/%g, type %d, %s: %3.0f corners, outwards %+.4f pixel, %.4f RMS\n", f_number,
+                where.first, where.second ? "rim   " : "middle", part.count, outwards,
+                std::sqrt(part.squares / part.count));
+    EXPECT_LT(std::fabs(outwards), 0.01 + 2 * noise) << where.first;
+    all.count += part.count;
+    all.outwards += part.outwards;
+    all.squares += part.squares;
+  }
+  EXPECT_LT(std::fabs(all.outwards / all.count), 0.01);
+  EXPECT_LT(std::sqrt(all.squares / all.count), f_number < 6 ? 0.025 : 0.04);
+  // In dark pictures, noise of the light exceeds that of the rendering.
+  all = {};
+  for (const auto& [where, part] : corner_errors(with_noise(clean, 300), f_number)) {
+    all.count += part.count;
+    all.pulls += part.pulls;
+  }
+  const double pull = std::sqrt(all.pulls / all.count);
+  std::printf("f/%g: %.0f corners, errors are %.2f times the stated ones\n", f_number, all.count,
+              pull);
+  EXPECT_GT(pull, 0.75);
+  EXPECT_LT(pull, 1.3);
+}
+
+INSTANTIATE_TEST_SUITE_P(BoardCorners, CornerPlaces, testing::Values(2.9, 4.8, 8.0));
 
 }  // namespace
 }  // namespace plenoflame::test::board_corners_test

@@ -103,7 +103,7 @@ class BoardCornersRun {
     if (!arguments_.dark.empty()) dark = read_frames(arguments_.dark, arguments_.files);
     Image white;
     if (!arguments_.white.empty())
-      white = light_of(read_frames(arguments_.white, arguments_.files), dark, mosaic);
+      white = bright_part(light_of(read_frames(arguments_.white, arguments_.files), dark, mosaic));
     std::string table = "pose,x,y,column,row,q,r\n";
     std::size_t boards = 0, corners = 0;
     nlohmann::json list = nlohmann::json::array();
@@ -117,9 +117,11 @@ class BoardCornersRun {
                                      frames.width, frames.height, sensor.columns, sensor.rows));
       warn_of_full(frames, file, full, sensor);
       const Image light = light_of(frames, dark, mosaic);
+      if (!white.empty() && (white.width != light.width || white.height != light.height))
+        throw InputError("the white picture has another size than '" + file + "'");
       BoardCorners found;
       try {
-        found = find_board(over(light, white, file), document_.scene.camera, board_, execution);
+        found = find_board(light, document_.scene.camera, board_, white, execution);
       } catch (const InputError& error) {
         without.push_back("'" + file + "': " + error.what());
         list.push_back({{"file", file}, {"pose", pose}, {"corners", 0}, {"reason", error.what()}});
@@ -162,17 +164,12 @@ class BoardCornersRun {
   }
 
  private:
-  /// Light over that of the white picture, NaN in the dark between micro-images.
-  static Image over(Image light, const Image& white, const std::string& file) {
-    if (white.empty()) return light;
-    if (white.width != light.width || white.height != light.height)
-      throw InputError("the white picture has another size than '" + file + "'");
+  /// The white picture, NaN in the dark between micro-images.
+  static Image bright_part(Image white) {
     const double least = kLeastWhite * high_level(white);
-    for (std::size_t i = 0; i < light.pixels.size(); ++i)
-      light.pixels[i] = static_cast<double>(white.pixels[i]) > least
-                            ? light.pixels[i] / white.pixels[i]
-                            : std::numeric_limits<float>::quiet_NaN();
-    return light;
+    for (float& value : white.pixels)
+      if (!(static_cast<double>(value) > least)) value = std::numeric_limits<float>::quiet_NaN();
+    return white;
   }
 
   const BoardArguments& arguments_;

@@ -39,12 +39,12 @@ struct BoardCorners {
 /// Finds the points of a board in a raw picture. Each mark in a micro-image is a line in front of
 /// the camera. The board is the plane on which lines through neighbouring microlenses meet; the
 /// grid is found on it.
-/// @param light of the raw picture without its dark level; divide out the vignetting of
-///        micro-images if possible
+/// @param light of the raw picture without its dark level
 /// @param camera with an array, so near to the real one that its micro-images lie at those of the
 ///        picture (calibrate white)
+/// @param white a white picture of the same camera; empty: the camera's own vignetting
 /// @throws InputError if no board is found, with a description of what was seen; Cancelled
 BoardCorners find_board(const Image& light, const CameraSpec& camera, const BoardSpec& board,
-                        const Execution& execution = {});
+                        const Image& white = {}, const Execution& execution = {});
 
 }  // namespace plenoflame
