@@ -99,6 +99,9 @@ def whole_images(folder):
              "0.234 mm voxels (96 x 96 x 264). Compiling the scene (camera and pupils) takes up to "
              f"{max(run['seconds_compile'] for of_name in runs.values() for run in of_name):.2g} s before\n"
              "the first ray and is not part of the time. The paper gives 28 thousand rays/s per thread and 10 hours on 20 threads.", "",
+             "![Error against processor time: this program, the forward estimator, the paper's program](images/error-time.png)", "",
+             "The figure (`tools/draw_error_time.py`) shows the numbers of this page. The forward estimator counts only the middle 200 x 200 pixels.\n"
+             "The paper gives no error; its point has that of the forward estimator with as many bundles.", "",
              "| what | time [s], 1 and 2 threads | million rays/s | stated RMSE |", "|---|---|---|---|"]
     for what, names in grouped(runs, ("1 thread", "2 threads")).items():
         seconds = listed(names, lambda name: cell(median(name, "seconds")))

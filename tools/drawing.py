@@ -43,11 +43,11 @@ def make(where, steps):
             run(*arguments.split(), where=where)
 
 
-def turbulent_flame(where):
-    """The path of the turbulent flame, written to this folder unless it is there."""
+def turbulent_flame(where, voxel_size=1):
+    """The path of the turbulent flame with voxels of this size [mm], written to this folder unless it is there."""
     where.mkdir(parents=True, exist_ok=True)
     if not (where / "turbulent.vdb").exists():
-        subprocess.run(["/usr/bin/python3", ROOT / "examples/python/turbulent_flame.py", "1", where], check=True,
+        subprocess.run(["/usr/bin/python3", ROOT / "examples/python/turbulent_flame.py", str(voxel_size), where], check=True,
                        env={**os.environ, "PYTHONPATH": str(PACKAGES)}, stdout=subprocess.DEVNULL)
     return where / "turbulent.vdb"
 

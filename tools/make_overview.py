@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Makes docs/images/overview.png, the README's figure: a turbulent flame, and what a camera like the Raytrix R29 records of it.
 
-    tools/make_overview.py [FOLDER]     the flame and the light fields stay in FOLDER (out/overview) and are used again
+    tools/make_overview.py [FOLDER]     the flame and the light fields stay in FOLDER (out/poster) and are used again
 
-Colours follow from the channels X, Y and Z of examples/python/turbulent.toml: CIE 1931 to linear sRGB, white at WHITE, a tenth
-of the plain camera's light spread by the bloom. Needs what drawing.py says.
+Colours follow from the channels X, Y and Z of examples/python/turbulent.toml: CIE 1931 to linear sRGB, with a soft end of the scale as
+on film and a tenth of the plain camera's light spread by the bloom. The flame has voxels of 0.5 mm: 57 million of them, which take
+4 GB of memory for a minute. Needs what drawing.py says.
 """
 
 import csv
@@ -15,26 +16,29 @@ from drawing import ROOT, run, turbulent_flame, working_folder
 
 import numpy
 import plenoflame
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageColor, ImageDraw, ImageFont
 from scipy import ndimage
 
-WHITE = 90e3  # [cd/m^2] becomes the white of sRGB
+EXPOSURE = 100e3    # [cd/m^2] becomes 80 % of the white of sRGB
+VOXEL_SIZE = 0.5    # [mm] of the flame
 TO_RGB = numpy.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
 BLOOM = ((0.05, 6), (0.03, 20), (0.02, 60))  # share of the light, standard deviation in pixels
-HEIGHT, GAP, SIDE = 1004, 8, 498             # pixels of the figure
+HEIGHT, GAP, SIDE = 1036, 8, 514             # pixels of the figure
+SHOWN = (0.12, 0.87)                         # of the width of the plain picture, where the flame is
 RAW = (6576, 4384)                           # columns and rows of the R29
 DETAIL = (990, 2970, 249)                  # left, top and side of the enlarged part of the upright raw picture
 CLOSE = (1010, 3068, 83)
 TYPES = {"far": "#56b4e9", "middle": "#ffffff", "near": "#00d19a"}
 FONT = "DejaVuSans.ttf"
 SIZE = 24
+SHADES = 220      # of the picture, beside TYPES, so that its file stays below 400 kB
 
 
 def rendered(folder):
     """Paths of the plain picture, the raw picture, its detail and the list of micro-images; made where missing."""
     scene = folder / "turbulent.toml"
     shutil.copy(ROOT / "examples/python/turbulent.toml", scene)
-    turbulent_flame(folder)
+    turbulent_flame(folder, VOXEL_SIZE)
     left, top, side = DETAIL
     window = f"{RAW[0] - top - side},{left},{side},{side}"
     for name, options in (("plain", ("--camera", "plain", "--samples", "8")),
@@ -47,15 +51,18 @@ def rendered(folder):
 
 
 def linear(path, pitch, f_number):
-    """Linear sRGB of a light field: WHITE is 1. Pixels of this pitch [m] see an aperture of this f-number."""
+    """Linear sRGB of a light field: EXPOSURE is 1. Pixels of this pitch [m] see an aperture of this f-number."""
     field = plenoflame.read_light_field(path)
     xyz = numpy.stack([field[channel] for channel in "XYZ"], -1)
     etendue = math.pi / (4 * f_number ** 2) * pitch ** 2
-    return numpy.clip(683 * xyz / etendue / WHITE @ TO_RGB.T, 0, None)
+    return numpy.clip(683 * xyz / etendue / EXPOSURE @ TO_RGB.T, 0, None)
 
 
 def encoded(light):
-    light = numpy.clip(light, 0, 1)
+    """sRGB as the desktop application's *As seen*: light beyond the exposure loses its colour by and by and ends at white."""
+    luminance = light @ numpy.array([[0.2126], [0.7152], [0.0722]])
+    light = light + 0.55 * (1 - numpy.exp(-luminance ** 2)) * (luminance - light)
+    light = 1 - numpy.exp(-1.6 * numpy.maximum(light, 0))
     curve = numpy.where(light < 0.0031308, 12.92 * light, 1.055 * light ** (1 / 2.4) - 0.055)
     return Image.fromarray(numpy.round(255 * curve).astype(numpy.uint8))
 
@@ -81,7 +88,8 @@ def plain_picture(path):
     picture = encoded(light)
     scale = HEIGHT / picture.height
     picture = picture.resize((round(picture.width * scale), HEIGHT), Image.LANCZOS)
-    return label(picture, "the flame", 0.02 / 9 / 22.2e-6 * scale, "20 mm")
+    picture = picture.crop((round(SHOWN[0] * picture.width), 0, round(SHOWN[1] * picture.width), HEIGHT))
+    return label(picture, "what the eye sees", 0.02 / 9 / 22.2e-6 * scale, "20 mm")
 
 
 def raw_picture(path, width):
@@ -91,12 +99,12 @@ def raw_picture(path, width):
     channels = [Image.fromarray(numpy.ascontiguousarray(light[..., k], numpy.float32)) for k in range(3)]
     size = (round(RAW[1] * scale), round(RAW[0] * scale))
     small = encoded(numpy.stack([numpy.asarray(c.resize(size, Image.BOX)) for c in channels], -1))
-    x, y = (size[0] - width) // 2, (size[1] - HEIGHT) // 2
+    x, y = round(size[0] / 2 - width * (0.5 - SHOWN[0]) / (SHOWN[1] - SHOWN[0])), (size[1] - HEIGHT) // 2
     picture = small.crop((x, y, x + width, y + HEIGHT))
     left, top, side = DETAIL
     box = (left * scale - x, top * scale - y, (left + side) * scale - x, (top + side) * scale - y)
     ImageDraw.Draw(picture).rectangle(box, outline="white", width=2)
-    return label(picture, "raw picture", 0.002 / 5.5e-6 * scale, "2 mm")
+    return label(picture, "what the camera sees", 0.002 / 5.5e-6 * scale, "2 mm")
 
 
 def detail_picture(light, part):
@@ -124,7 +132,7 @@ def mark_types(picture, lenses):
 
 
 def main():
-    plain, raw, detail, lenses = rendered(working_folder("overview"))
+    plain, raw, detail, lenses = rendered(working_folder("poster"))
     flame = plain_picture(plain)
     sensor = raw_picture(raw, flame.width)
     light = numpy.rot90(linear(detail, 5.5e-6, 1200 / 165))
@@ -143,7 +151,9 @@ def main():
     figure.paste(wide, (2 * (flame.width + GAP), 0))
     figure.paste(close, (2 * (flame.width + GAP), HEIGHT - SIDE))
     target = ROOT / "docs/images/overview.png"
-    figure.quantize(200, dither=Image.Dither.NONE).save(target, optimize=True)
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(figure.quantize(SHADES).getpalette()[:3 * SHADES] + [c for name in TYPES.values() for c in ImageColor.getrgb(name)])
+    figure.quantize(palette=palette, dither=Image.Dither.NONE).save(target, optimize=True)
     print(target)
 
 

@@ -60,6 +60,8 @@ picture() {
 if chosen overview; then PLENOFLAME=$plenoflame tools/make_overview.py; fi
 if chosen planes; then PLENOFLAME=$plenoflame tools/draw_light_field.py; fi
 if chosen reconstruction; then PLENOFLAME=$plenoflame tools/draw_reconstruction.py; fi
+if chosen cameras; then PLENOFLAME=$plenoflame tools/draw_cameras.py; fi # minutes
+if chosen error-time; then PLENOFLAME=$plenoflame tools/draw_error_time.py; fi # from docs/benchmarks.md
 if chosen calibration; then PLENOFLAME=$plenoflame tools/draw_calibration.py; fi # needs the flame of the overview
 picture paper-flame-1m 0.53,0.5
 picture paper-flame-0.3m 0.5,0.5

@@ -3,7 +3,7 @@
 #
 #   tools/release.sh [--no-install-test] [--no-setup] [FOLDER]
 #
-# FOLDER (default: out/release) receives the .deb files, the sources as .tar.xz and SHA256SUMS. Sources and packages are
+# FOLDER (default: out/release) receives the .deb files, the relocatable archive and the sources as .tar.xz, and SHA256SUMS. Sources and packages are
 # those of the tag v<version> if HEAD has it, otherwise of HEAD, and then it says so. --no-install-test leaves out
 # tests/packages/run.sh, which installs the packages into a fresh Debian 12 (some minutes, and the package registry).
 set -euo pipefail
@@ -63,12 +63,16 @@ rm -f "$folder"/*.deb "$folder"/*.tar.xz "$folder"/SHA256SUMS
 cp build/package/*.deb "$folder"
 git archive --format=tar --prefix="plenoflame-$version/" HEAD | xz -9 >"$folder/plenoflame-$version.tar.xz"
 
+say "relocatable archive"
+tools/archive.sh build/package "$folder"
+
 say "lintian"
 lintian --fail-on error --tag-display-limit 0 "$folder"/*.deb
 
 if [ "$install_test" = yes ]; then
   say "installed into a fresh Debian 12"
   tests/packages/run.sh "$folder"
+  tests/packages/archive.sh "$folder"/*-linux-*.tar.xz
 fi
 
 (cd "$folder" && sha256sum -- *.deb *.tar.xz >SHA256SUMS)

@@ -97,6 +97,7 @@ slurm         munge                    the same
 bench         libbenchmark-dev         micro-benchmarks
 packaging     dpkg-dev                 packages: which libraries they depend on (tools/release.sh)
 packaging     lintian                  packages: checks of Debian packages
+packaging     patchelf                 archive: libraries are found beside each other
 packaging     mmdebstrap               packages: a fresh Debian to install them into
 packaging     xz-utils                 packages: the sources
 site          mkdocs                   documentation as a site (tools/site.sh)

@@ -7,8 +7,10 @@
 #include <QAction>
 #include <QApplication>
 #include <QElapsedTimer>
+#include <QFileDialog>
 #include <QLineEdit>
 #include <QMetaEnum>
+#include <QPushButton>
 #include <QSlider>
 #include <QSpinBox>
 #include <QTabWidget>
@@ -19,15 +21,22 @@
 #include <fstream>
 #include <string>
 
+#include "answers.h"
 #include "gui_tests.h"
 #include "heartbeat.h"
+#include "plenoflame/image/pixel_values.h"
 #include "widgets/image/image_panel.h"
 #include "widgets/image/image_view.h"
 #include "widgets/image/light_field_panel.h"
+#include "widgets/panels/reconstruct_panel.h"
 #include "widgets/panels/scene_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/window/film_dialog.h"
 #include "widgets/window/main_window.h"
+
+// Light fields are freed as fast as in the program: the linker takes this copy of the function, and
+// not one of a file that was compiled without optimisation, where it visits each pixel.
+template class std::vector<float, plenoflame::ZeroedAllocator<float>>;
 
 namespace plenoflame::desktop::test {
 namespace {
@@ -68,6 +77,75 @@ const char* name_of(QEvent::Type type) {
   return name ? name : "event";
 }
 
+/// Turns the scene at rest as fast as it is drawn; the view has the screen.
+void turn(MainWindow& window, Heartbeat& heart) {
+  auto* const view = window.findChild<QWidget*>("scene3d");
+  view->setFocus();
+  QAction* const full = window.findChild<QAction*>("actionFull");
+  full->trigger();
+  QTest::qWait(1500);
+  const QPoint middle = view->rect().center();
+  heart.take();
+  QTest::mousePress(view, Qt::LeftButton, {}, middle);
+  QElapsedTimer since;
+  since.start();
+  const double worked_before = worked(), all_before = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
+  constexpr int kPictures = 60;
+  for (int i = 1; i <= kPictures; ++i) {
+    QTest::mouseMove(view, middle + QPoint(4 * i, i));
+    QApplication::processEvents();
+  }
+  const double seconds = 1e-3 * static_cast<double>(since.elapsed());
+  const double work = (worked() - worked_before) / kPictures;
+  const double all = (milliseconds(CLOCK_PROCESS_CPUTIME_ID) - all_before) / kPictures;
+  QTest::mouseRelease(view, Qt::LeftButton, {}, middle + QPoint(4 * kPictures, kPictures));
+  std::printf(
+      "turning, %d x %d pixels: %.1f pictures a second, %.0f ms of work for one, %.0f ms of all "
+      "threads; %s\n",
+      view->width(), view->height(), kPictures / seconds, work, all, heart.take().c_str());
+  QTest::qWait(1500);
+  std::printf("  then at rest: %s\n", heart.take().c_str());
+  full->trigger();
+  QTest::qWait(500);
+}
+
+/// Saves the scene and the light field.
+void save(MainWindow& window, const QString& folder, Heartbeat& heart) {
+  heart.take();
+  window.session().document().save((folder + "/scene.toml").toStdString());
+  std::printf("saving the scene: %s\n", heart.take().c_str());
+  Answers answers;
+  answers.when_shown<QFileDialog>([&](QFileDialog& dialog) {
+    type_file_name(dialog, folder + "/raw.exr");
+    heart.take();
+  });
+  for (QAction* action : window.findChildren<QAction*>())
+    if (action->text().startsWith("Light field (.exr)")) action->trigger();
+  QElapsedTimer since;
+  since.start();
+  until([&] { return !window.is_file_busy(); });
+  std::printf("saving the light field: %.2f s, %s\n", 1e-3 * static_cast<double>(since.elapsed()),
+              heart.take().c_str());
+}
+
+/// Reconstructs with the settings that the panel offers, and stops.
+void reconstruct(MainWindow& window, Heartbeat& heart) {
+  window.findChild<QAction*>("actionReconstruct")->trigger();
+  QTest::qWait(500);
+  heart.take();
+  ReconstructJob& job = window.reconstruct_panel().job();
+  window.findChild<QPushButton*>("reconstructStart")->click();
+  const bool ended = until([&] { return job.state() != ReconstructJob::State::running; }, 30000);
+  std::printf("reconstructing%s: %s\n", ended ? "" : " for 30 s", heart.take().c_str());
+  if (ended) return;
+  QElapsedTimer since;
+  since.start();
+  window.findChild<QPushButton*>("reconstructStop")->click();
+  until([&] { return job.state() != ReconstructJob::State::running; });
+  std::printf("  stopped after %.1f s, %s\n", 1e-3 * static_cast<double>(since.elapsed()),
+              heart.take().c_str());
+}
+
 }  // namespace
 
 bool TimedApplication::notify(QObject* receiver, QEvent* event) {
@@ -92,11 +170,14 @@ int measure(const char* scene) {
   std::setvbuf(stdout, nullptr, _IOLBF, 0);  // into pipes, too
   Heartbeat heart;
   const auto reached = [&](const char* what) {
-    std::printf("%5.2f s  %s\n", seconds_of_process(), what);
+    std::printf("%5.2f s, work of the window %.2f s  %s\n", seconds_of_process(), 1e-3 * worked(),
+                what);
   };
   reached("main() and Qt");
-  MainWindow window(
-      std::make_unique<QSettings>(folder.filePath("settings.ini"), QSettings::IniFormat), {});
+  auto made = std::make_unique<MainWindow>(
+      std::make_unique<QSettings>(folder.filePath("settings.ini"), QSettings::IniFormat),
+      std::string());
+  MainWindow& window = *made;
   window.set_unattended(true);
   window.resize(1500, 900);
   reached("window made");
@@ -121,8 +202,9 @@ int measure(const char* scene) {
   if (!until([&] { return window.is_settled(); })) return 1;
   std::printf("until the picture is finished: %.2f s, %s\n",
               1e-3 * static_cast<double>(since.elapsed()), heart.take().c_str());
-  until([&] { return session.light_field().views() != nullptr; });
-  std::printf("views are there: %s\n", heart.take().c_str());
+  const bool views = until([&] { return session.light_field().views() != nullptr; }, 20000);
+  std::printf("%s: %s\n", views ? "views are there" : "no views yet, others have the processors",
+              heart.take().c_str());
   ImageView& view = window.image_panel().view();
   for (int i = 0; i < 5; ++i) {
     const QPoint at = view.rect().center() + QPoint(9 * i, 5 * i);
@@ -174,20 +256,9 @@ int measure(const char* scene) {
     QTest::qWait(300);
   }
   std::printf("  %s\n", heart.take().c_str());
-  window.scene_panel().reveal("flames[0].scale");
-  window.findChild<QAction*>("actionFilm")->trigger();
-  auto* const film = window.findChild<FilmDialog*>();
-  window.findChild<QLineEdit*>("filmTo")->setText("0.5");
-  window.findChild<QSpinBox*>("filmFrames")->setValue(50);
-  since.restart();
-  film->record(folder.filePath("film.png"));
-  const double worked_before = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
-  until([&] { return !film->is_recording(); }, 600000);
-  std::printf("film of 50 steps: %.1f s, of it %.1f s of a processor; %s; %s\n",
-              1e-3 * static_cast<double>(since.elapsed()),
-              1e-3 * (milliseconds(CLOCK_PROCESS_CPUTIME_ID) - worked_before),
-              qPrintable(film->message()), heart.take().c_str());
-  film->close();
+  turn(window, heart);
+  save(window, folder.path(), heart);
+  reconstruct(window, heart);
   // Pan, zoom, turn, edit while it renders.
   session.document().set_value("render.samples", "4096");
   for (int i = 0; i < 40; ++i) {
@@ -208,8 +279,22 @@ int measure(const char* scene) {
     QTest::qWait(60);
   }
   std::printf("editing while it renders: %s\n", heart.take().c_str());
-  // A leak would show after the history is full.
   session.document().set_value("render.samples", "2");
+  window.scene_panel().reveal("flames[0].scale");
+  window.findChild<QAction*>("actionFilm")->trigger();
+  auto* const film = window.findChild<FilmDialog*>();
+  window.findChild<QLineEdit*>("filmTo")->setText("0.5");
+  window.findChild<QSpinBox*>("filmFrames")->setValue(50);
+  since.restart();
+  film->record(folder.filePath("film.png"));
+  const double worked_before = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
+  until([&] { return !film->is_recording(); }, 600000);
+  std::printf("film of 50 steps: %.1f s, of it %.1f s of a processor; %s; %s\n",
+              1e-3 * static_cast<double>(since.elapsed()),
+              1e-3 * (milliseconds(CLOCK_PROCESS_CPUTIME_ID) - worked_before),
+              qPrintable(film->message()), heart.take().c_str());
+  film->close();
+  // A leak would show after the history is full.
   const int edits = qEnvironmentVariableIntValue("PLENOFLAME_EDITS");
   constexpr int kFirst = 500;
   const auto print = [&](int done) {
@@ -227,6 +312,12 @@ int measure(const char* scene) {
     QTest::qWait(5);
   }
   if (edits > 0) print(kFirst + edits);
+  session.document().set_value("render.samples", "4096");
+  QTest::qWait(1000);
+  heart.take();
+  since.start();
+  made.reset();
+  std::printf("quitting while it renders: %lld ms\n", static_cast<long long>(since.elapsed()));
   return 0;
 }
 

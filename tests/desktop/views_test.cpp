@@ -168,6 +168,19 @@ class ViewsTest : public test::SceneFixture {
              qPrintable(QString("%1, %2").arg(moved.x() - at.x()).arg(moved.y() - at.y())));
   }
 
+  void translucentThingsAreSortedAtRestAlone() {
+    QVERIFY(open_example("lenslets-30"));
+    auto* const widget = dynamic_cast<QVTKOpenGLNativeWidget*>(scene3d());
+    vtkRenderer& renderer = *widget->renderWindow()->GetRenderers()->GetFirstRenderer();
+    const QPointF middle = scene3d()->rect().center();
+    QVERIFY(renderer.GetUseDepthPeeling() != 0);
+    mouse(scene3d(), QEvent::MouseButtonPress, middle, Qt::LeftButton);
+    mouse(scene3d(), QEvent::MouseMove, middle + QPointF(60, 0), Qt::LeftButton);
+    QVERIFY(renderer.GetUseDepthPeeling() == 0);
+    mouse(scene3d(), QEvent::MouseButtonRelease, middle + QPointF(60, 0), Qt::LeftButton);
+    QVERIFY(renderer.GetUseDepthPeeling() != 0);
+  }
+
   void whatWasAimedAtFitsEachSizeOfTheView() {
     QVERIFY(open_example("lenslets-30"));
     child<QAction>("shortenGaps")->setChecked(false);  // to scale

@@ -113,6 +113,15 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
     drawn->place_labels();
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
+  // Glass before glass is sorted at rest alone: without a graphics card this takes longer than all
+  // else.
+  v.turning->SetClientData(&v);
+  v.turning->SetCallback([](vtkObject*, unsigned long event, void* drawn_by, void*) {
+    static_cast<View*>(drawn_by)->renderer->SetUseDepthPeeling(event ==
+                                                               vtkCommand::EndInteractionEvent);
+  });
+  v.style->AddObserver(vtkCommand::StartInteractionEvent, v.turning);
+  v.style->AddObserver(vtkCommand::EndInteractionEvent, v.turning);
   v.ruler->SetInteractor(interactor);
   set_up_ruler(*v.ruler);
   v.ruler_moved->SetClientData(this);

@@ -39,6 +39,7 @@ struct SceneView::View {
   vtkNew<vtkRenderer> renderer;
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   vtkNew<vtkCallbackCommand> before_drawing;
+  vtkNew<vtkCallbackCommand> turning;  ///< begins and ends
   vtkNew<vtkDistanceWidget> ruler;
   vtkNew<vtkCallbackCommand> ruler_moved;
   vtkNew<vtkOrientationMarkerWidget> axes;
