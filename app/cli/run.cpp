@@ -163,7 +163,7 @@ int run_alone(int argc, const char* const* argv, std::optional<InterruptHandler>
     std::cerr << "plenoflame: stopped; nothing was written\n";
     return kFailure;
   } catch (const UsageError& error) {
-    return fail(kBadUse, error.what());
+    return fail(kBadUse, message_with_options(error));
   } catch (const Error& error) {
     return fail(kFailure, message_with_options(error));
   } catch (const std::bad_alloc&) {

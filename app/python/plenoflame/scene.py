@@ -9,6 +9,7 @@ from ._run import Error, errors_of, made, need_vtk, update
 from ._values import text_of, tree, value_of
 from .flame import Flame, voxels_of
 from .light_field import LightField
+from .measurements import corners_of
 from .ray_blocks import ray_blocks
 from .rays import Rays
 
@@ -234,7 +235,8 @@ class Scene(_home.Shown):
             scene.add_flame(plenoflame.flame_from_arrays(T, kappa, spacing=1e-3), position="1 m, 0 m, -20 mm")
 
         lines: emission lines that it has arrays for, e.g. ["ch"]; ambient: temperature outside [K]; values: of the
-        flame by their keys, as scene["flames[0].KEY"] takes them. Raises Error, with the scene unchanged.
+        flame by their keys, as scene["flames[0].KEY"] takes them. Raises Error, or TypeError for an unknown key, with the scene
+        unchanged.
         """
         voxels = voxels_of(flame)
         ambient = _check.number("ambient", ambient, 0)
@@ -251,9 +253,12 @@ class Scene(_home.Shown):
             for number, line in enumerate(lines):
                 self.insert(path + ".lines", number)
                 values[f"lines[{number}].kind"] = line
+            known = [key[len(path) + 1:] for key in self.keys() if key.startswith(path + ".")]
             for key, value in values.items():
+                if key not in known:
+                    raise TypeError(refusal("Scene.add_flame", key, known))
                 self[f"{path}.{key}"] = value
-        except Error:
+        except (Error, TypeError):
             self.remove("flames", place)
             raise
         self._images[name] = (flame, ambient)
@@ -385,6 +390,16 @@ class Scene(_home.Shown):
             True
         """
         return ray_blocks(self, samples, window, precision, radiance, seed, skip, rays_per_block, threads)
+
+    def corners(self, rays=4096, *, threads=0, progress=None):
+        """Where the points of calibration patterns (corners of checkerboards, dots) are, in the world and in the raw image, as
+        `plenoflame corners`. Returns Corners.
+
+        rays: over the aperture, for each point
+
+        Raises Error for a scene without such patterns.
+        """
+        return corners_of(self._scene, rays, threads, progress)
 
     def operator(self, *, unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None, absorption=None,
                  channel=None, rays=64, bin=1, cells=None, seed=None, form="auto", threads=0, progress=None):

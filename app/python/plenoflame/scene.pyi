@@ -5,6 +5,7 @@ from ._home import Shown
 from ._run import Progress
 from .flame import Flame
 from .light_field import LightField
+from .measurements import Corners
 from .operators import Operator
 from .ray_blocks import RayBlock
 from .rays import Rays
@@ -61,6 +62,7 @@ class Scene(Shown):
     def ray_blocks(self, samples: int = ..., *, window: Optional[tuple[int, int, int, int]] = ...,
                    precision: str = ..., radiance: bool = ..., seed: int = ..., skip: bool = ...,
                    rays_per_block: int = ..., threads: int = ...) -> Iterator[RayBlock]: ...
+    def corners(self, rays: int = ..., *, threads: int = ..., progress: Optional[Progress] = ...) -> Corners: ...
     def operator(self, *, unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ...,
                  center: Union[None, str, Sequence[float]] = ..., size: Union[None, str, Sequence[float]] = ...,
                  axis: Union[None, str, Sequence[float]] = ..., basis: Optional[str] = ...,

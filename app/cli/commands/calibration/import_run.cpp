@@ -10,7 +10,6 @@
 #include <optional>
 #include <set>
 
-#include "commands/light_field/develop_sensor.h"
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "number_rows.h"
@@ -23,6 +22,7 @@
 #include "plenoflame/lightfield/geometry.h"
 #include "plenoflame/lightfield/sensor.h"
 #include "plenoflame/render/describe.h"
+#include "plenoflame/scene/spectral.h"
 #include "report.h"
 #include "run.h"
 

@@ -1,0 +1,192 @@
+"""What the command does, Python does: the page's table against the command's help and the package; results against the command's
+files."""
+
+import csv
+import re
+
+import numpy
+from package import ROOT, PackageTest, main
+
+import plenoflame
+
+
+def rows_of(path):
+    with open(path, newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def column(rows, *names):
+    return numpy.squeeze(numpy.array([[float(row[name]) for name in names] for row in rows]))
+
+
+class Commands(PackageTest):
+    def commands_of(self, *command):
+        """Names of the commands below one, by its help."""
+        text = self.command(*command, "--help")
+        found = []
+        for name in re.findall(r"(?m)^  ([a-z]+)(?:  |$)", text.partition("Subcommands:")[2].partition("\n\n")[0]):
+            below = self.commands_of(*command, name) if command == () else []
+            found += ([] if name in ("calibrate", "camera") else [" ".join((*command, name))]) + below
+        return found
+
+    def test_table_has_all_commands_and_right_functions(self):
+        page = (ROOT / "docs" / "scripting.md").read_text()
+        table = re.findall(r"(?m)^\| `([a-z ]+)` \| (.+) \|$", page)
+        self.assertEqual(sorted(command for command, _ in table), sorted(self.commands_of()))
+        for command, functions in table:
+            if functions.startswith("none"):
+                continue
+            for name in re.findall(r"`([A-Za-z_.]+)`", functions):
+                thing = plenoflame
+                for part in name.split("."):
+                    thing = getattr(thing, part, None)
+                self.assertTrue(callable(thing), f"{command}: {name}")
+
+    def test_merge_is_that_of_files(self):
+        scene = self.scene(48)
+        fields = [scene.render(samples=4, seed=seed) for seed in (1, 2)]
+        for number, field in enumerate(fields):
+            field.save(self.folder / f"{number}.exr")
+        self.command("merge", "0.exr", "1.exr", "-o", "all.exr")
+        expected = plenoflame.read_light_field(self.folder / "all.exr")
+        for merged in (plenoflame.merge(fields), plenoflame.merge([fields[1], self.folder / "0.exr"])):
+            numpy.testing.assert_array_equal(merged.flux, expected.flux)
+            numpy.testing.assert_array_equal(merged.error, expected.error)
+
+    def test_merge_refuses_the_same_rays(self):
+        field = self.scene(40).render(samples=2)
+        with self.assertRaisesRegex(plenoflame.Error, "picture 1 and picture 2 are both the whole window"):
+            plenoflame.merge([field, field])
+        with self.assertRaisesRegex(plenoflame.Error, "pictures takes LightFields"):
+            plenoflame.merge([3])
+
+    def test_corners_are_those_of_the_file(self):
+        plate = ROOT / "examples" / "calibration-plate.toml"
+        self.command("corners", plate, "--rays", "256", "-o", "c.csv")
+        rows = rows_of(self.folder / "c.csv")
+        found = plenoflame.Scene(plate).corners(256)
+        self.assertGreater(len(rows), 10)
+        for values, names in ((found.surface, ["surface"]), (found.column, ["column"]), (found.row, ["row"]),
+                              (found.point, ["x_m", "y_m", "z_m"]), (found.in_camera, ["camera_x_m", "camera_y_m", "camera_z_m"]),
+                              (found.lens, ["lens_q", "lens_r"]), (found.type, ["type"]),
+                              (found.image, ["image_column", "image_row"]), (found.spread, ["spread_pixels"]),
+                              (found.share, ["share"])):
+            numpy.testing.assert_allclose(values, column(rows, *names), rtol=1e-6, atol=1e-9, err_msg=names[0])
+
+    def test_truth_is_that_of_the_files(self):
+        field = self.scene(48).render(samples=2)
+        field.save(self.folder / "a.exr")
+        points = [(1, 0, 0), (0.9, 0.001, -0.002)]
+        (self.folder / "p.csv").write_text("".join(f"{x},{y},{z}\n" for x, y, z in points))
+        self.command("truth", "a.exr", "-o", "m.csv", "--points", "p.csv", "--projections", "q.csv", "--rays", "128",
+                     "--chief-rays", "r.exr")
+        truth = field.truth(points, rays=128, chief_rays=True)
+        rows = rows_of(self.folder / "m.csv")
+        numpy.testing.assert_array_equal(truth.micro_images.lens, column(rows, "q", "r"))
+        numpy.testing.assert_allclose(truth.micro_images.centre, column(rows, "column", "row"), atol=1e-3)
+        numpy.testing.assert_allclose(truth.micro_images.radius, column(rows, "radius"), atol=1e-3)
+        rows = rows_of(self.folder / "q.csv")
+        self.assertGreater(len(rows), 2)
+        numpy.testing.assert_array_equal(truth.projections.point, column(rows, "point"))
+        numpy.testing.assert_allclose(truth.projections.chief, column(rows, "column", "row"), atol=1e-6)
+        numpy.testing.assert_allclose(truth.projections.light, column(rows, "centroid_column", "centroid_row"), atol=1e-6)
+        expected = plenoflame.read_light_field(self.folder / "r.exr")
+        numpy.testing.assert_array_equal(truth.chief_rays["chief.dx"], expected["chief.dx"])
+        self.assertIsNone(field.truth().chief_rays)
+        with self.assertRaisesRegex(plenoflame.Error, "point 0 .* is not in front of the camera"):
+            field.truth([(-1, 0, 0)])
+
+    def two_colours(self):
+        scene = plenoflame.Scene(ROOT / "examples" / "candle-colours.toml")
+        scene["camera.sensor.columns"] = scene["camera.sensor.rows"] = 60
+        scene.remove("flames", 0)
+        scene.add_flame(plenoflame.make_flame("candle", voxel_size="2 mm"), position="1 m, 0 m, -16 mm")
+        return scene
+
+    def test_frames_of_the_sensor_are_those_of_the_command(self):
+        field = self.scene(48).render(samples=8)
+        field.save(self.folder / "a.exr")
+        self.command("develop", "a.exr", "--exposure", "2 ms", "--frames", "2", "--noise-seed", "7", "-o", "f.tif")
+        frames = field.expose("2 ms", frames=2, noise_seed=7)
+        self.assertEqual((frames.exposure_time, frames.numbers.shape), (2e-3, (2, 48, 48)))
+        for number, values in enumerate(frames.numbers, 1):
+            numpy.testing.assert_array_equal(values, self.pixels(self.folder / f"f-{number}.tif"))
+        self.assertTrue((frames.numbers[0] != frames.numbers[1]).any())
+        dark = field.expose(2e-3, dark=True)
+        self.assertLess(dark.numbers.max(), frames.numbers.max())
+        self.command("develop", "a.exr", "--exposure", "auto", "--noise", "read", "-o", "e.exr")
+        electrons = field.electrons("auto", noise="read")
+        expected = plenoflame.read_light_field(self.folder / "e.exr")
+        self.assertEqual(electrons.unit, "e-")
+        numpy.testing.assert_array_equal(electrons.flux, expected.flux)
+        numpy.testing.assert_array_equal(electrons.error, expected.error)
+
+    def pixels(self, path):
+        """Of a picture's file, by another reader."""
+        from PIL import Image
+        return numpy.array(Image.open(path))
+
+    def test_exposures_are_checked(self):
+        field = self.scene(40).render(samples=2)
+        for sentence, arguments in (("exposure takes a time above 0 s, or 'auto'", {"exposure": 0}),
+                                    ("exposure: ", {"exposure": "2 mm"}), ("there is no kind of noise 'hiss'", {"noise": "hiss"}),
+                                    ("frames takes a whole number", {"frames": 0})):
+            with self.assertRaisesRegex(plenoflame.Error, re.escape(sentence)):
+                field.expose(**arguments)
+        with self.assertRaisesRegex(plenoflame.Error, "exclude each other"):
+            field.electrons(1e-3, channel_exposure={"red_650nm": 1e-3})
+        with self.assertRaisesRegex(plenoflame.Error, "holds electrons already"):
+            field.electrons("auto").expose()
+
+    def test_temperatures_are_those_of_the_command(self):
+        scene = self.two_colours()
+        field = scene.render(samples=8)
+        field.save(self.folder / "a.exr")
+        for options, settings in (((), {}), (("--bin", "4"), {"bin": 4}),
+                                  (("--bin", "micro-image", "--law", "soot"), {"bin": "micro-image", "law": "soot"}),
+                                  (("--bin", "view", "--cells", "2"), {"bin": "view", "cells": 2})):
+            figures = self.figures("pyrometry", "a.exr", *options, "-o", "t.exr")
+            found = field.pyrometry(**settings)
+            expected = plenoflame.read_light_field(self.folder / "t.exr")
+            numpy.testing.assert_array_equal(found.temperature, expected["temperature"])
+            numpy.testing.assert_array_equal(found.error, expected["temperature.error"])
+            self.assertEqual((found.figures["mean"], found.figures["law"], found.figures["pixels"]),
+                             (figures["mean_K"], figures["law"], figures["pixels"]))
+            numpy.testing.assert_array_equal(numpy.asarray(found), found.temperature)
+        with self.assertRaisesRegex(plenoflame.Error, "there is no law 'pink'"):
+            field.pyrometry(law="pink")
+        with self.assertRaisesRegex(plenoflame.Error, r"a ratio takes two channels \(channels\)"):
+            field.pyrometry(channels="650nm")
+
+    def test_colour_picture_is_that_of_the_command(self):
+        field = self.two_colours().render(samples=2)
+        field.save(self.folder / "a.exr")
+        self.command("develop", "a.exr", "--colour", "-o", "c.png")
+        picture = field.develop(colour=True)
+        self.assertEqual((picture.shape, picture.dtype), ((60, 60, 3), numpy.uint8))
+        numpy.testing.assert_array_equal(picture, self.pixels(self.folder / "c.png"))
+        with self.assertRaisesRegex(plenoflame.Error, "a colour picture needs channels"):
+            self.scene(40).render(samples=2).develop(colour=True)
+
+    def test_imported_camera_is_that_of_the_command(self):
+        source = ROOT / "examples" / "lab" / "intrinsics.js"
+        self.command("camera", "import", source, "--set", "camera.lens.f_number=4", "-o", "c.toml")
+        found = plenoflame.import_camera(source, values={"camera.lens.f_number": 4})
+        expected = plenoflame.Scene(self.folder / "c.toml")
+        self.assertEqual([found.scene[key] for key in expected.keys()], [expected[key] for key in expected.keys()])
+        self.assertEqual(len(found.formats), 1)
+        with self.assertRaisesRegex(plenoflame.Error, "values camera.lens.f_number: a number above 0"):
+            plenoflame.import_camera(source, values={"camera.lens.f_number": "wide"})
+
+    def test_a_wrong_key_of_a_flame(self):
+        scene = self.scene(40)
+        hot = numpy.full((4, 4, 4), 1500.0)
+        flame = plenoflame.flame_from_arrays(hot, hot / 100, spacing=1e-3)
+        text = scene.text
+        with self.assertRaisesRegex(TypeError, r"Scene.add_flame\(\) has no argument 'positon'; did you mean 'position'\?"):
+            scene.add_flame(flame, positon="1 m, 0 m, 0 m")
+        self.assertEqual(scene.text, text)
+
+
+if __name__ == "__main__":
+    main()
