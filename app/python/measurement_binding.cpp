@@ -1,5 +1,5 @@
-// What is measured in light fields: frames of a sensor, temperatures, ground truth; and what is
-// made of several light fields, or of a calibration's files.
+// Frames of a sensor, temperatures and ground truth of light fields. Light fields of several
+// others, and cameras of calibration files.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -211,7 +211,7 @@ class Merge : public Runnable {
 class Corners : public Runnable {
  public:
   void run(const Execution& execution) override {
-    // Where a corner is does not depend on the flames.
+    // The place of a corner does not depend on the flames.
     SceneHandle bare(*scene);
     bare.change().flames.clear();
     output = pattern_images(*bare.compile(execution, {IssueCode::no_flame}), rays, execution);

@@ -51,7 +51,7 @@ PYBIND11_MODULE(_core, module) {
     } catch (const py::builtin_exception&) {
       throw;
     } catch (...) {
-      PyErr_SetString(failure.ptr(), plenoflame::message_of_current_exception().c_str());
+      PyErr_SetString(failure.ptr(), plenoflame::message_of_current_exception(kNames).c_str());
     }
   });
   py::class_<Runnable>(module, "Runnable")

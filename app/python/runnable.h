@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include "plenoflame/base/execution.h"
+#include "settings.h"
 
 namespace plenoflame::python {
 
@@ -13,6 +14,9 @@ class Runnable {
   virtual void run(const Execution& execution) = 0;
   int threads = 0;  ///< 0: one per processor
 };
+
+/// How callers of the package write settings.
+inline constexpr SettingNames kNames = SettingNames::Style::argument;
 
 /// Runs it. @param on_progress called with the fraction done, on the calling thread; a true result
 /// stops the run. It must not raise. @param on_warning called with each warning, at the end

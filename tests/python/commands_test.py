@@ -2,6 +2,7 @@
 files."""
 
 import csv
+import inspect
 import re
 
 import numpy
@@ -177,6 +178,49 @@ class Commands(PackageTest):
         self.assertEqual(len(found.formats), 1)
         with self.assertRaisesRegex(plenoflame.Error, "values camera.lens.f_number: a number above 0"):
             plenoflame.import_camera(source, values={"camera.lens.f_number": "wide"})
+
+    def test_arguments_are_the_options(self):
+        """Names and defaults in the help, which the package does not read."""
+        files = {"set", "camera", "images", "output", "refined", "residual", "report", "pixels", "places", "part", "quiet", "json",
+                 "help", "which"}
+        for command, function, own in (("reconstruct", plenoflame.reconstruct, {"operator"}),
+                                       ("operator", plenoflame.Scene.operator, set()),
+                                       ("import", plenoflame.import_raw, set())):
+            text = self.command(command, "--help")
+            options = dict(re.findall(r"(?ms)^  (?:-\w, )?--([a-z-]+)(.*?)(?=^  -|^\S|^$)", text))
+            named = {name: parameter for name, parameter in inspect.signature(function).parameters.items()
+                     if parameter.kind is parameter.KEYWORD_ONLY and name not in own | {"progress"}}
+            self.assertEqual(set(named), {name.replace("-", "_") for name in options} - files)
+            for name, parameter in named.items():
+                about = " ".join(options[name.replace("_", "-")].split())
+                if parameter.default not in (None, False, ()):
+                    self.assertRegex(about, rf"\({re.escape(str(parameter.default))}\)$", f"{command}: {name}")
+                self.assertIn(name + ": ", function.__doc__)
+
+    def test_imported_pictures_are_those_of_the_command(self):
+        scene = self.scene(48)
+        scene["camera.sensor.exposure_time"] = "1 ms"
+        scene.save(self.folder / "camera.toml")
+        scene.render(samples=8).save(self.folder / "a.exr")
+        for words in (("--frames", "2", "-o", "f.tif"), ("--dark", "-o", "dark.tif")):
+            self.command("develop", "a.exr", "--exposure", "2 ms", *words)
+        names = [self.folder / name for name in ("f-1.tif", "f-2.tif")]
+        figures = self.figures("import", *names, "--camera", "camera.toml", "--dark", "dark.tif", "--exposure-time", "2 ms",
+                               "--gain", "1.5", "-o", "b.exr")
+        expected = plenoflame.read_light_field(self.folder / "b.exr")
+        camera = plenoflame.Scene(self.folder / "camera.toml")
+        for time in (2e-3, "2 ms", {"red_650nm": 2e-3}):
+            pictures = {"red_650nm": names} if isinstance(time, dict) else names
+            found = plenoflame.import_raw(pictures, camera, dark=self.folder / "dark.tif", exposure_time=time, gain=1.5)
+            numpy.testing.assert_array_equal(found.light_field.flux, expected.flux)
+            numpy.testing.assert_array_equal(found.light_field.error, expected.error)
+        self.assertEqual({**found.figures, "light_field": "b.exr"}, figures)
+        with self.assertRaisesRegex(plenoflame.Error, r"^noise='series': takes several frames"):
+            plenoflame.import_raw(names[0], camera, noise="series")
+        with self.assertRaisesRegex(plenoflame.Error, r"^gain: .* is not a number from 0 to 1e\+09"):
+            plenoflame.import_raw(names, camera, gain=1e12)
+        with self.assertRaisesRegex(TypeError, r"import_raw\(\) has no argument 'darks'; did you mean 'dark'\?"):
+            plenoflame.import_raw(names, camera, darks="dark.tif")
 
     def test_a_wrong_key_of_a_flame(self):
         scene = self.scene(40)

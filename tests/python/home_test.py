@@ -367,7 +367,7 @@ class Home(PackageTest):
             warnings.simplefilter("always")
             found = plenoflame.reconstruct(self.small, self.field, grid=(4, 3, 2), rays=4, **QUICK)
         texts = [str(caution.message) for caution in cautions] + [found.report, found.figures["warning"]]
-        self.assertIn("unknowns rings", found.report)
+        self.assertIn("unknowns='rings'", found.report)
         self.assertEqual([text for text in texts if "--" in text], [])
         self.assertEqual({caution.filename for caution in cautions}, {__file__})  # warnings point here
 

@@ -84,7 +84,7 @@ void add_left_out(const LeftOutPixels& left_out, Report& report) {
   report.add_json("defective", left_out.defective);
 }
 
-/// What was found, apart from comparisons.
+/// Adds the results, apart from comparisons.
 void add_found(const PyrometryArguments& settings, const LightField& field,
                const Temperatures& found, Report& report) {
   const bool filters = !settings.filters.empty();

@@ -42,11 +42,12 @@ class SensorFrames {
   SensorFrame frame(std::size_t channel, const FrameSettings& settings) const;
 
   /// Electrons of all channels and their errors, as a light field. @param last receives the last
-  /// frame that was exposed, with the most saturated pixels of all
+  /// frame. Its number of saturated pixels is the largest of all channels
   LightField electrons(const FrameSettings& settings, SensorFrame& last) const;
 
-  /// One exposure for all channels, so that they can be compared [s]: 99.9 % of the lit pixels are
-  /// below the full well. @throws InputError: no channel has a photon energy, or none has light
+  /// One exposure for all channels [s], so that they can be compared. 99.9 % of the lit pixels stay
+  /// below the full well.
+  /// @throws InputError: no channel has a photon energy, or none has light
   double automatic() const;
 
  private:

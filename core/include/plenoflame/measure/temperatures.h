@@ -13,7 +13,7 @@
 
 namespace plenoflame {
 
-/// What is asked of two-colour pyrometry.
+/// A request for two-colour pyrometry.
 struct TemperatureRequest {
   /// The two channels; empty: the first two. With filters: the one behind them; empty: the first.
   std::vector<std::string> channels;

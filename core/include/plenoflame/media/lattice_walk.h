@@ -26,6 +26,10 @@ struct RegularLattice {
   Vec3 place(std::size_t sample) const;  ///< world
 };
 
+/// The lattice whose cells fill a box along the world's axes, a sample in the middle of each.
+/// @param centre, size of the box [m] @param count of samples along each axis, at least 1
+RegularLattice regular_lattice(Vec3 centre, Vec3 size, const std::array<int, 3>& count);
+
 /// A quadrature node of an interval: a field there is the sum of weight * sample. Entries from
 /// `count` on have no value.
 struct RayNode {

@@ -17,8 +17,8 @@ struct PointProjection {
   std::optional<PointImage> light;  ///< of all light
 };
 
-/// Projects points of the world through all microlenses that see them: ordered by point, then by r,
-/// then by q. @param rays over the aperture for the centroids, for each point
+/// Projects points of the world through all microlenses that see them. The images are ordered by
+/// point, then by r, then by q. @param rays over the aperture for the centroids, for each point
 /// @throws InputError with the number of a point that is not in front of the camera, Cancelled
 std::vector<PointProjection> project_points(const Camera& camera, const std::vector<Vec3>& points,
                                             int rays, const Execution& execution);
