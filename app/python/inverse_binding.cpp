@@ -14,6 +14,7 @@
 #include "reconstruction_task.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "setting_tuples.h"
 #include "voxels.h"
 
 namespace plenoflame::python {
@@ -226,16 +227,6 @@ void bind_reconstruction(py::module_& module) {
           "explained", [](const Run& r) { return pictures_of(r.task.result().figures.explained); })
       .def_property_readonly("output", &voxels_of_result)
       .def("write", [](const Run& r, const std::string& path) { r.task.write(path); });
-}
-
-/// Adds rows as tuples: name, form, help, default, kind, repeated.
-template <class Request>
-void add_settings(py::list& list) {
-  for (const SettingRow<Request>& row : setting_rows<Request>()) {
-    const SettingFacts facts = facts_of(row);
-    list.append(py::make_tuple(std::string(facts.name), std::string(facts.form), facts.help,
-                               facts.value, facts.kind, facts.repeated));
-  }
 }
 
 template <class Request>

@@ -64,7 +64,7 @@ TEST(DamagedResults, RowsOfNumbers) {
                       write_bytes(path, text);
                       const auto rows = read_number_rows(path, 3, "a point");
                       ASSERT_FALSE(rows.empty());
-                      for (const cli::NumberRow& row : rows) {
+                      for (const NumberRow& row : rows) {
                         ASSERT_EQ(row.values.size(), 3U);
                         for (const double value : row.values) ASSERT_TRUE(std::isfinite(value));
                       }

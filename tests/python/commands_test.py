@@ -140,7 +140,10 @@ class Commands(PackageTest):
             field.electrons("auto").expose()
 
     def test_temperatures_are_those_of_the_command(self):
-        scene = self.two_colours()
+        scene = self.scene(48)
+        scene.insert("channels", 1)
+        for key, value in (("name", "infrared"), ("kind", "line"), ("wavelength", "850 nm"), ("width", "10 nm")):
+            scene[f"channels[1].{key}"] = value
         field = scene.render(samples=8)
         field.save(self.folder / "a.exr")
         for options, settings in (((), {}), (("--bin", "4"), {"bin": 4}),
@@ -203,13 +206,13 @@ class Commands(PackageTest):
         scene.save(self.folder / "camera.toml")
         scene.render(samples=8).save(self.folder / "a.exr")
         for words in (("--frames", "2", "-o", "f.tif"), ("--dark", "-o", "dark.tif")):
-            self.command("develop", "a.exr", "--exposure", "2 ms", *words)
+            self.command("develop", "a.exr", "--exposure", "0.002 ms", *words)
         names = [self.folder / name for name in ("f-1.tif", "f-2.tif")]
-        figures = self.figures("import", *names, "--camera", "camera.toml", "--dark", "dark.tif", "--exposure-time", "2 ms",
+        figures = self.figures("import", *names, "--camera", "camera.toml", "--dark", "dark.tif", "--exposure-time", "0.002 ms",
                                "--gain", "1.5", "-o", "b.exr")
         expected = plenoflame.read_light_field(self.folder / "b.exr")
         camera = plenoflame.Scene(self.folder / "camera.toml")
-        for time in (2e-3, "2 ms", {"red_650nm": 2e-3}):
+        for time in (2e-6, {"red_650nm": 2e-6}, "0.002 ms"):
             pictures = {"red_650nm": names} if isinstance(time, dict) else names
             found = plenoflame.import_raw(pictures, camera, dark=self.folder / "dark.tif", exposure_time=time, gain=1.5)
             numpy.testing.assert_array_equal(found.light_field.flux, expected.flux)
@@ -221,6 +224,67 @@ class Commands(PackageTest):
             plenoflame.import_raw(names, camera, gain=1e12)
         with self.assertRaisesRegex(TypeError, r"import_raw\(\) has no argument 'darks'; did you mean 'dark'\?"):
             plenoflame.import_raw(names, camera, darks="dark.tif")
+
+    CAMERA = """
+[camera.lens]
+model = "ideal"
+focal_length = "50 mm"
+diameter = "11 mm"
+[camera.array]
+lattice = "hexagonal"
+model = "ideal"
+pitch = "{}"
+diameter = "110 um"
+sensor_distance = "0.45 mm"
+types = [{{name = "one", focal_length = "0.5 mm"}}]
+[camera.sensor]
+columns = 160
+rows = 140
+pixel_pitch = "5.5 um"
+bits = 12
+gain = 2.3
+black_level = 60
+read_noise = 6
+full_well = 9000
+exposure_time = "1 ms"
+[camera.focus]
+object_distance = "0.5 m"
+[[channels]]
+name = "red"
+kind = "line"
+wavelength = "650 nm"
+width = "10 nm"
+"""
+
+    def test_calibrations_are_those_of_the_command(self):
+        (self.folder / "real.toml").write_text(self.CAMERA.format("127.4 um"))
+        nominal = self.folder / "nominal.toml"
+        nominal.write_text(self.CAMERA.format("127 um"))
+        self.command("render", "real.toml", "--white", "--samples", "16", "-o", "white.exr", "--quiet")
+        self.command("develop", "white.exr", "--exposure", "auto", "-o", "white.tif")
+        camera = plenoflame.Scene(nominal)
+        figures = self.figures("calibrate", "white", "white.tif", "--camera", nominal, "-o", "found.toml", "--centres", "c.csv")
+        found = plenoflame.calibrate_white(self.folder / "white.tif", camera)
+        self.assertEqual({**found.figures, "output": "found.toml"}, figures)
+        self.assertEqual(found.scene.get_text("camera.array.pitch"),
+                         plenoflame.Scene(self.folder / "found.toml").get_text("camera.array.pitch"))
+        numpy.testing.assert_array_equal(found.centres["column"], column(rows_of(self.folder / "c.csv"), "column"))
+        self.assertIsNone(found.radii)
+        self.assertIsNone(plenoflame.calibrate_white(self.folder / "white.tif").scene)
+        with self.assertRaisesRegex(plenoflame.Error, "^pixel_pitch: above 0, at most 1 cm"):
+            plenoflame.calibrate_white(self.folder / "white.tif", pixel_pitch=1)
+        # The white picture stands for a source of 1700 K: only both results are compared.
+        self.command("develop", "white.exr", "--exposure", "auto", "--dark", "-o", "dark.tif")
+        figures = self.figures("calibrate", "radiometry", "1700 K@2 ms=white.tif", "--dark", "dark.tif", "--camera", nominal,
+                               "--temperature-error", "2 K", "--emissivity", "0.9", "-o", "scale.toml")
+        scale = plenoflame.calibrate_radiometry({(1700, 2e-3): self.folder / "white.tif"}, camera, dark=self.folder / "dark.tif",
+                                                temperature_error=2, emissivity=0.9)
+        self.assertEqual({**scale.figures, "output": "scale.toml"}, figures)
+        self.assertEqual(scale.text, (self.folder / "scale.toml").read_text())
+        with self.assertRaisesRegex(plenoflame.Error, "sources takes a dict"):
+            plenoflame.calibrate_radiometry("white.tif", camera)
+        with self.assertRaisesRegex(plenoflame.Error, "^emissivity: 2 is not a number from 0.01 to 1"):
+            plenoflame.calibrate_radiometry({1700: self.folder / "white.tif"}, camera, emissivity=2)
 
     def test_a_wrong_key_of_a_flame(self):
         scene = self.scene(40)

@@ -12,6 +12,8 @@ from .measurements import Corners as Corners, Frames as Frames, ImportedCamera a
 from .measurements import Projections as Projections, Temperatures as Temperatures, Truth as Truth
 from .measurements import import_camera as import_camera
 from .picture import picture as picture
+from .raw import Imported as Imported, Radiometry as Radiometry, White as White, import_raw as import_raw
+from .raw import calibrate_radiometry as calibrate_radiometry, calibrate_white as calibrate_white
 from .ray_blocks import RayBlock as RayBlock
 from .rays import Rays as Rays
 from .reconstruction import Reconstruction as Reconstruction, reconstruct as reconstruct

@@ -4,7 +4,7 @@ import functools
 import inspect
 import os
 
-from . import _core
+from . import _check, _core
 from ._arguments import refusal
 from ._run import Error, errors_of
 from ._values import Quantity, text_of

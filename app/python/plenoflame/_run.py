@@ -13,7 +13,7 @@ from ._progress import watcher
 
 
 class Error(RuntimeError):
-    """What went wrong, in the words of the command line."""
+    """What went wrong, in one sentence. It names arguments as Python writes them."""
 
 
 def _depth_of_caller():

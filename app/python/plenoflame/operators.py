@@ -5,11 +5,13 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator
 
 from . import _check, _core
+from ._arguments import guarded
 from ._options import cameras_of
 from ._run import Error, errors_of, made, update
 from .light_field import LightField
 
 
+@guarded
 class Operator(LinearOperator):
     """A: samples of a flame (emission [W/(m^3 sr)], or with a known absorption the source function [W/(m^2 sr)]) to the
     fluxes of pixels [W]. Scene.operator() makes it.

@@ -26,7 +26,9 @@ void add_settings(CLI::App& command, Request& request) {
       }
     };
     if (const auto* list = std::get_if<std::vector<std::string> Request::*>(&row.field))
-      command.add_option(name, request.**list, help)->option_text(std::string(row.form));
+      command.add_option(name, request.**list, help)
+          ->option_text(std::string(row.form))
+          ->allow_extra_args(row.form.ends_with("..."));
     else
       command.add_option_function<std::string>(name, set, help)->option_text(std::string(row.form));
   }
