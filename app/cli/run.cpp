@@ -19,6 +19,7 @@
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "ranks.h"
+#include "settings.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -70,6 +71,19 @@ std::string unexpected_arguments(const CLI::App& app) {
          "; put a value with blanks in quotes";
 }
 
+/// About an option that is given more often than it takes values; empty: there is none.
+std::string option_given_twice(const CLI::App& app) {
+  for (const CLI::Option* option : chosen_command(app).get_options()) {
+    const std::size_t given = option->results().size();
+    if (given < 2 || given <= static_cast<std::size_t>(option->get_items_expected_max())) continue;
+    const std::string name =
+        option->get_lnames().empty() ? option->get_name() : "--" + option->get_lnames().front();
+    return name + " is given " + (given == 2 ? "twice" : std::to_string(given) + " times") + ": '" +
+           option->results()[0] + "' and '" + option->results()[1] + "'; give it once";
+  }
+  return "";
+}
+
 /// Message about a first argument that is no command; empty: it is one, or an option.
 std::string unknown_command(const CLI::App& app, int argc, const char* const* argv) {
   if (argc < 2 || argv[1][0] == '-' || argv[1][0] == '\0') return "";
@@ -116,6 +130,9 @@ std::optional<int> parse(CLI::App& app, Action& action, int argc, const char* co
   } catch (const CLI::ExtrasError& error) {
     const std::string unexpected = unexpected_arguments(app);
     return fail(kBadUse, (unexpected.empty() ? error.what() : unexpected) + help_hint(app));
+  } catch (const CLI::ArgumentMismatch& error) {
+    const std::string twice = option_given_twice(app);
+    return fail(kBadUse, (twice.empty() ? error.what() : twice) + help_hint(app));
   } catch (const CLI::ParseError& error) {
     return fail(kBadUse, error.what() + help_hint(app));
   }
@@ -163,9 +180,9 @@ int run_alone(int argc, const char* const* argv, std::optional<InterruptHandler>
     std::cerr << "plenoflame: stopped; nothing was written\n";
     return kFailure;
   } catch (const UsageError& error) {
-    return fail(kBadUse, error.what());
+    return fail(kBadUse, SettingNames().message(error));
   } catch (const Error& error) {
-    return fail(kFailure, message_with_options(error));
+    return fail(kFailure, SettingNames().message(error));
   } catch (const std::bad_alloc&) {
     return fail(kFailure, "not enough memory");
   } catch (const std::system_error& error) {

@@ -10,6 +10,7 @@
 #include "export_folder.h"
 #include "figures_json.h"
 #include "light_field_camera.h"
+#include "light_field_filter.h"
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/refocus.h"
 #include "plenoflame/lightfield/views.h"
@@ -20,15 +21,6 @@ namespace plenoflame::python {
 namespace {
 
 namespace py = pybind11;
-using Field = std::shared_ptr<LightField>;
-
-/// Makes something of one light field.
-class Filter : public Runnable {
- public:
-  Field input;
-  std::string channel;
-};
-
 class DevelopFilter : public Filter {
  public:
   void run(const Execution&) override { output = develop(*input, spec, channel); }

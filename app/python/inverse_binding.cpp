@@ -14,6 +14,7 @@
 #include "reconstruction_task.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "setting_tuples.h"
 #include "voxels.h"
 
 namespace plenoflame::python {
@@ -40,6 +41,7 @@ py::array places_of(const Unknowns& unknowns) {
 /// Makes an operator of one or several cameras.
 class OperatorRun : public Runnable {
  public:
+  OperatorRun() { request.unknowns.names = kNames; }
   void run(const Execution& execution) override {
     if (scenes.empty()) throw UsageError("an operator needs a camera");
     if (!problem) {
@@ -153,7 +155,7 @@ void bind_operator(py::module_& module) {
 class ReconstructionRun : public Runnable {
  public:
   void run(const Execution& execution) override { task.run(execution); }
-  ReconstructionTask task;
+  ReconstructionTask task{kNames};
 };
 
 std::shared_ptr<Voxels> voxels_of_result(const ReconstructionRun& run) {
@@ -187,6 +189,13 @@ void bind_reconstruction(py::module_& module) {
                  },
                  scene->camera(), *picture, what);
            })
+      .def(
+          "set_built",
+          [](Run& r, const OperatorRun& made) {
+            if (!made.problem) throw UsageError("the operator was not made");
+            r.task.set_built({&made.problem->rays, made.matrix.get()});
+          },
+          py::arg("operator"), py::keep_alive<1, 2>())
       .def("set_earlier",
            [](Run& r, const std::string& use, const std::string& field, const Numbers& values) {
              r.task.set_earlier(use, field,
@@ -220,9 +229,31 @@ void bind_reconstruction(py::module_& module) {
       .def("write", [](const Run& r, const std::string& path) { r.task.write(path); });
 }
 
+template <class Request>
+py::list settings_of() {
+  py::list list;
+  add_settings<UnknownsRequest>(list);
+  add_settings<Request>(list);
+  return list;
+}
+
+void bind_settings(py::module_& module) {
+  py::enum_<SettingKind>(module, "SettingKind")
+      .value("text", SettingKind::text)
+      .value("word", SettingKind::word)
+      .value("whole", SettingKind::whole)
+      .value("number", SettingKind::number)
+      .value("flag", SettingKind::flag)
+      .value("lengths", SettingKind::lengths)
+      .value("file", SettingKind::file);
+  module.def("operator_settings", &settings_of<OperatorRequest>);
+  module.def("reconstruct_settings", &settings_of<ReconstructRequest>);
+}
+
 }  // namespace
 
 void bind_inverse(py::module_& module) {
+  bind_settings(module);
   bind_operator(module);
   bind_reconstruction(module);
 }

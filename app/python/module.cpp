@@ -51,7 +51,7 @@ PYBIND11_MODULE(_core, module) {
     } catch (const py::builtin_exception&) {
       throw;
     } catch (...) {
-      PyErr_SetString(failure.ptr(), plenoflame::message_of_current_exception().c_str());
+      PyErr_SetString(failure.ptr(), plenoflame::message_of_current_exception(kNames).c_str());
     }
   });
   py::class_<Runnable>(module, "Runnable")
@@ -61,6 +61,7 @@ PYBIND11_MODULE(_core, module) {
   bind_camera(module);
   bind_light_field(module);
   bind_light_field_filters(module);
+  bind_measurements(module);
   bind_rays(module);
   bind_ray_stream(module);
   bind_flames(module);

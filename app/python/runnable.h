@@ -2,6 +2,7 @@
 #include <pybind11/pybind11.h>
 
 #include "plenoflame/base/execution.h"
+#include "settings.h"
 
 namespace plenoflame::python {
 
@@ -14,6 +15,9 @@ class Runnable {
   int threads = 0;  ///< 0: one per processor
 };
 
+/// How callers of the package write settings.
+inline constexpr SettingNames kNames = SettingNames::Style::argument;
+
 /// Runs it. @param on_progress called with the fraction done, on the calling thread; a true result
 /// stops the run. It must not raise. @param on_warning called with each warning, at the end
 void run_watched(Runnable& runnable, const pybind11::function& on_progress,
@@ -23,6 +27,7 @@ void bind_camera(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_light_field(pybind11::module_& module);
 void bind_light_field_filters(pybind11::module_& module);
+void bind_measurements(pybind11::module_& module);
 void bind_rays(pybind11::module_& module);
 void bind_ray_stream(pybind11::module_& module);
 void bind_flames(pybind11::module_& module);

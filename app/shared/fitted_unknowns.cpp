@@ -51,7 +51,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
     const std::vector<double> outside = light_outside(views, measurements, rays, how.bin);
     if (std::ranges::all_of(outside, [](double share) { return share <= kLightCut; })) return {};
   } else if (!request.centre.empty()) {
-    const auto [x, y, z] = point_option("--center", request.centre);
+    const auto [x, y, z] = point_option(request.names("center"), request.centre);
     box = {{x, y, z}, {x, y, z}};
   }
   const auto channel = static_cast<int>(cameras.channels[0]);
@@ -94,7 +94,7 @@ FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& 
   start.base = 0.5 * (box.lower + box.upper);
   start.direction = {0, 0, 1};
   if (!request.axis.empty() && !request.fits_axis()) {
-    const auto [x, y, z] = point_option("--axis", request.axis);
+    const auto [x, y, z] = point_option(request.names("axis"), request.axis);
     start.direction = {x, y, z};
   }
   MeasuredRows measured = measured_rows(measurements, rays, 1);

@@ -53,49 +53,57 @@ std::vector<int> restrict_to(const Part& part, int bin, std::vector<CameraView>&
 
 }  // namespace
 
+template <>
+std::span<const SettingRow<OperatorRequest>> setting_rows() {
+  using R = OperatorRequest;
+  using enum SettingKind;
+  static const std::vector<SettingRow<R>> rows{
+      {"channel", "NAME", "Channel of the rays' wavelengths; without it, the first", &R::channel},
+      rays_row<R>(),
+      bin_row<R>(),
+      cells_row<R>(),
+      {"seed", "N", "Seed of the rays (default: the scene's)", &R::seed, whole},
+      {"form",
+       "FORM",
+       "rays: kept in memory; drawn: a part at a time; auto: kept if they fit",
+       &R::form,
+       word,
+       {"auto", "rays", "drawn"}}};
+  return rows;
+}
+
 void set_option(OperatorRequest& request, const std::string& name, const std::string& text) {
-  UnknownsRequest& unknowns = request.unknowns;
-  const std::map<std::string, std::string*> texts{
-      {"unknowns", &unknowns.kind},  {"grid", &unknowns.grid},
-      {"center", &unknowns.centre},  {"size", &unknowns.size},
-      {"axis", &unknowns.axis},      {"basis", &unknowns.basis},
-      {"channel", &request.channel}, {"absorption", &unknowns.absorption},
-      {"rays", &request.rays},       {"bin", &request.bin},
-      {"cells", &request.cells},     {"seed", &request.seed},
-      {"form", &request.form}};
-  const auto found = texts.find(name);
-  if (found == texts.end()) throw UsageError("there is no option --" + name);
-  *found->second = text;
+  const SettingNames names = request.unknowns.names;
+  if (!set_setting(request, names, name, text) && !set_setting(request.unknowns, names, name, text))
+    throw UsageError("there is no setting " + names(name));
 }
 
 void check_operator(const OperatorRequest& request) {
   check_unknowns(request.unknowns);
-  check_choice("--form", request.form, {"auto", "rays", "drawn"});
   if (request.unknowns.fits_axis())
-    throw UsageError("--axis fit needs pictures, as in reconstruct; give a direction");
-  whole_number_option("--rays", request.rays, 2, kMostSamples);
+    throw UsageError(request.unknowns.names("axis", "fit") +
+                     " needs pictures, as in reconstruct; give a direction");
   CameraRaySettings ignored;
-  rows_option(request.bin, request.cells, ignored);
-  if (!request.seed.empty()) whole_number_option<std::uint64_t>("--seed", request.seed, 0);
+  rows_option(request.unknowns.names, request.bin, request.cells, ignored);
 }
 
 std::unique_ptr<OperatorProblem> make_operator_problem(
     const OperatorRequest& request, const std::vector<const CompiledScene*>& scenes,
     const std::string& what, const Execution& execution, const Part& part) {
   check_operator(request);
+  const SettingNames& names = request.unknowns.names;
   const CompiledScene& scene = *scenes.front();
   CameraRaySettings how;
-  how.samples = whole_number_option("--rays", request.rays, 2, kMostSamples);
-  rows_option(request.bin, request.cells, how);
-  how.seed = request.seed.empty() ? scene.scene.render.seed
-                                  : whole_number_option<std::uint64_t>("--seed", request.seed, 0);
+  how.samples = request.rays;
+  rows_option(request.unknowns.names, request.bin, request.cells, how);
+  how.seed = request.seed.value_or(scene.scene.render.seed);
   std::size_t channel = 0;
   if (!request.channel.empty()) {
     const auto& channels = scene.scene.channels;
     const auto found = std::find_if(channels.begin(), channels.end(),
                                     [&](const auto& c) { return c.name == request.channel; });
     if (found == channels.end())
-      throw UsageError("--channel: " + what + " has no channel " + request.channel);
+      throw UsageError(names("channel") + ": " + what + " has no channel " + request.channel);
     channel = static_cast<std::size_t>(found - channels.begin());
   }
   how.channel = static_cast<int>(channel);
@@ -105,7 +113,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   require_memory((sizeof(double) + 1.0) * static_cast<double>(result->unknowns->size()) *
                      (execution.thread_count() + 1),
                  fmt::format("rows of {} unknowns", result->unknowns->size()),
-                 "use a coarser --grid, or fewer --threads");
+                 fmt::format("use a coarser {}, or fewer {}", names("grid"), names("threads")));
   EmissionProblem& problem = result->problem;
   problem.unknowns = result->unknowns.get();
   problem.absorption = absorption_of(request.unknowns, scene, channel, *result->unknowns);
@@ -113,9 +121,10 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   std::vector<CameraView> views;
   for (const CompiledScene* one : scenes) views.push_back({one, {}});
   if (how.cells > 0 && !part.is_whole())
-    throw UsageError(
-        "--part cannot be used with micro-images, which lie across parts; use pixels or blocks "
-        "(--bin N)");
+    throw UsageError(names("part") +
+                     " cannot be used with micro-images, which lie across parts; use pixels or "
+                     "blocks (" +
+                     names("bin", "N") + ")");
   const std::vector<int> numbers = restrict_to(part, how.bin, views);
   const OperatorForm form = request.form == "drawn"  ? OperatorForm::drawn
                             : request.form == "rays" ? OperatorForm::rays
@@ -132,11 +141,11 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
 std::string operator_work(const OperatorRequest& request,
                           const std::vector<const CompiledScene*>& scenes) {
   const UnknownsRequest& unknowns = request.unknowns;
-  std::string text;
+  std::string text = fmt::format("{}\n{}\n{}\n{}\n", request.rays, request.bin, request.cells,
+                                 request.seed ? std::to_string(*request.seed) : "");
   for (const std::string* word :
        {&unknowns.kind, &unknowns.grid, &unknowns.centre, &unknowns.size, &unknowns.axis,
-        &unknowns.basis, &unknowns.absorption, &request.channel, &request.rays, &request.bin,
-        &request.cells, &request.seed})
+        &unknowns.basis, &unknowns.absorption, &request.channel})
     text += *word + '\n';
   for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
   return text;

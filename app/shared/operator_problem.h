@@ -1,5 +1,7 @@
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,17 +12,24 @@
 
 namespace plenoflame {
 
-/// A call of `plenoflame operator`, as texts of its options.
+/// A request for an operator.
 struct OperatorRequest {
   UnknownsRequest unknowns;
-  std::string channel;  ///< empty: the first
-  std::string rays = "64", bin = "1", cells = "3", seed, form = "auto";
+  std::string channel = {};  ///< empty: the first
+  int rays = 64;
+  std::string bin = "1";
+  int cells = 3;
+  std::optional<std::uint64_t> seed = {};  ///< nothing: the scene's
+  std::string form = "auto";
 };
+template <>
+std::span<const SettingRow<OperatorRequest>> setting_rows();
 
-/// Sets an option by its name, "unknowns" or "rays". @throws UsageError for an unknown name
+/// Sets a setting of it, or of its unknowns, by its name. @throws UsageError also for an unknown
+/// name
 void set_option(OperatorRequest& request, const std::string& name, const std::string& text);
 
-/// Before any work. @throws UsageError in the words of the command line
+/// Before any work. @throws UsageError
 void check_operator(const OperatorRequest& request);
 
 /// The linear problem of some cameras with the rays that make it. Not copied: `problem` points to

@@ -14,7 +14,6 @@
 #include <system_error>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/base/mended_by.h"
 
 namespace plenoflame {
 namespace {
@@ -55,15 +54,6 @@ fs::path resolved(const std::string& path) {
 }
 
 }  // namespace
-
-std::string message_with_options(const Error& error) {
-  std::string text = error.what();
-  const auto* mended = dynamic_cast<const MendedBy*>(&error);
-  if (!mended) return text;
-  for (std::size_t i = 0; i < mended->names.size(); ++i)
-    text += (i == 0 ? " (--" : ", --") + mended->names[i];
-  return text + ')';
-}
 
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension) {
   try {

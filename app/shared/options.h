@@ -13,11 +13,6 @@
 
 namespace plenoflame {
 
-class Error;
-
-/// The message of an error with the options that mend it: "... (--region, --margin)".
-std::string message_with_options(const Error& error);
-
 /// Reads an option's value with its unit. @param option as the user writes it, e.g. "--saturation"
 /// @throws UsageError "OPTION: ..."
 double quantity_option(std::string_view option, const std::string& text, Dimension dimension);

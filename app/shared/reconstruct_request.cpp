@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <span>
 #include <sstream>
 
 #include "options.h"
@@ -15,7 +16,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr double kMostStrength = 1e12, kMostRelaxation = 2;
+constexpr double kMostStrength = 1e12, kMostRelaxation = 2, kMany = 100000;
 
 std::map<std::string, ReconstructionSolver> solvers() {
   using enum ReconstructionSolver;
@@ -41,13 +42,14 @@ std::array<double, 3> smoothing_of(const ReconstructRequest& request) {
   const std::vector<std::string> words = split(request.smoothing);
   const std::size_t axes = unknown_axes(request.unknowns);
   if (words.size() != axes)
-    throw UsageError(fmt::format("--smoothing: {} numbers for {} axes of {}", words.size(), axes,
-                                 request.unknowns.kind));
+    throw UsageError(fmt::format("{}: {} numbers for {} axes of {}", request.names()("smoothing"),
+                                 words.size(), axes, request.unknowns.kind));
   for (std::size_t a = 0; a < axes; ++a) {
     std::istringstream word(words[a]);
     word.imbue(std::locale::classic());
     if (!(word >> result[a]) || !word.eof() || !(result[a] >= 0) || !(result[a] <= 1e6))
-      throw UsageError("--smoothing: '" + words[a] + "' is no number from 0 to 1e6");
+      throw UsageError(request.names()("smoothing") + ": '" + words[a] +
+                       "' is no number from 0 to 1e6");
   }
   return result;
 }
@@ -56,67 +58,65 @@ bool given(const std::string& text) {
   return !text.empty() && text != "none";
 }
 
-/// An option that means nothing beside another one.
+/// A setting that means nothing beside another one.
 void refuse(bool wrong, const std::string& option, const std::string& why) {
   if (wrong) throw UsageError(option + " " + why);
 }
 
-void check_words(const ReconstructRequest& request) {
-  check_choice("--find", request.find, {"emission", "temperature", "both"});
-  check_choice("--solver", request.solver, reconstruction_solvers());
-  check_choice("--form", request.form, {"auto", "matrix", "rays", "drawn"});
-  check_unknowns(request.unknowns);
-}
-
-/// Options that neither the solver nor the penalty uses are refused.
+/// Settings that neither the solver nor the penalty uses are refused.
 void check_solver(const ReconstructRequest& request, ReconstructionSolver solver) {
-  const std::string name = "--solver " + request.solver;
+  const SettingNames& names = request.names();
+  const std::string name = names("solver", request.solver);
   const bool prior = !request.prior.empty() || request.prior_values;
   if (!is_penalised(solver)) {
-    if (request.strength >= 0 || prior)
-      throw UsageError(name +
-                       " has no penalty: neither --strength nor --prior means anything to it");
-    refuse(given(request.smoothing), "--smoothing",
+    if (request.strength || prior)
+      throw UsageError(fmt::format("{} has no penalty: neither {} nor {} means anything to it",
+                                   name, names("strength"), names("prior")));
+    refuse(given(request.smoothing), names("smoothing"),
            "means nothing to " + name + ", which has no penalty");
   }
-  refuse(!is_penalised(solver) && !request.spreads.empty(), "--spread",
+  refuse(!is_penalised(solver) && !request.spreads.empty(), names("spread"),
          "is for solvers with a penalty: " + name + " has no resolution matrix");
   const bool subsets = solver == ReconstructionSolver::sart || solver == ReconstructionSolver::osem;
-  refuse(!subsets && !request.subsets.empty(), "--subsets", "is for sart and osem");
+  refuse(!subsets && request.subsets, names("subsets"), "is for sart and osem");
   const bool relaxed = solver == ReconstructionSolver::sirt ||
                        solver == ReconstructionSolver::sart || solver == ReconstructionSolver::mart;
-  refuse(!relaxed && request.relaxation >= 0, "--relaxation", "is for sirt, sart and mart");
-  if (request.solver == "mart" && request.relaxation > 1)
-    throw UsageError("--relaxation: at most 1 for mart");
-  if (request.relaxation == 0) throw UsageError("--relaxation: above 0, or nothing changes");
+  refuse(!relaxed && request.relaxation, names("relaxation"), "is for sirt, sart and mart");
+  if (!request.relaxation) return;
+  if (request.solver == "mart" && *request.relaxation > 1)
+    throw UsageError(names("relaxation") + ": at most 1 for mart");
+  if (*request.relaxation == 0)
+    throw UsageError(names("relaxation") + ": above 0, or nothing changes");
 }
 
-/// Each quantity to find needs, and excludes, some of the other options.
+/// Each quantity to find needs, and excludes, some of the other settings.
 void check_sought(const ReconstructRequest& request) {
+  const SettingNames& names = request.names();
+  const auto find = [&](const char* what) { return names("find", what); };
   const Sought sought = request.sought();
   const bool known = given(request.unknowns.absorption);
   if (sought == Sought::temperature && !known)
-    throw UsageError(
-        "--find temperature needs --absorption; --find both finds it from two channels");
+    throw UsageError(fmt::format("{} needs {}; {} finds it from two channels", find("temperature"),
+                                 names("absorption"), find("both")));
   if (sought == Sought::both && known)
-    throw UsageError("--find both finds the absorption: leave --absorption out");
-  if (sought != Sought::emission && (!request.prior.empty() || request.prior_values))
-    throw UsageError("--prior is for --find emission");
-  if (sought != Sought::emission && !request.spreads.empty())
-    throw UsageError("--spread is for --find emission");
-  if (sought != Sought::emission && request.solver != "fista")
-    throw UsageError("--solver " + request.solver +
-                     " is for --find emission: temperatures are found by Gauss and Newton's "
-                     "method");
+    throw UsageError(find("both") + " finds the absorption: leave " + names("absorption") + " out");
+  const bool linear = sought == Sought::emission;
+  const std::string for_emission = "is for " + find("emission");
+  refuse(!linear && (!request.prior.empty() || request.prior_values), names("prior"), for_emission);
+  refuse(!linear && request.built.rays, names("operator"), for_emission);
+  refuse(!linear && !request.spreads.empty(), names("spread"), for_emission);
+  refuse(!linear && request.solver != "fista", names("solver", request.solver),
+         for_emission + ": temperatures are found by Gauss and Newton's method");
   if (request.absorption_error > 0 && sought == Sought::both)
-    throw UsageError("--absorption-error: --find both finds the absorption and its deviation");
-  if (request.absorption_error > 0 && !known)
-    throw UsageError("--absorption-error is for a known absorption: give --absorption");
+    throw UsageError(names("absorption-error") + ": " + find("both") +
+                     " finds the absorption and its deviation");
+  refuse(request.absorption_error > 0 && !known, names("absorption-error"),
+         "is for a known absorption: give " + names("absorption"));
   const std::size_t channels = request.channels().size();
   if (sought != Sought::both && channels > 1)
-    throw UsageError("--channel: one at a time, unless --find both");
-  if (sought != Sought::both && !request.ratio.empty())
-    throw UsageError("--absorption-ratios is for --find both");
+    throw UsageError(names("channel") + ": one at a time, unless " + find("both"));
+  refuse(sought != Sought::both && !request.ratio.empty(), names("absorption-ratios"),
+         "is for " + find("both"));
 }
 
 }  // namespace
@@ -140,7 +140,7 @@ std::vector<std::string> ReconstructRequest::channels() const {
 std::vector<SuspectKind> ReconstructRequest::refined() const {
   std::vector<SuspectKind> kinds;
   for (const std::string& word : split(refine)) {
-    check_choice("--refine", word, {"exposure", "pose", "focus", "axis"});
+    check_choice(names()("refine"), word, {"exposure", "pose", "focus", "axis"});
     if (word == "exposure") kinds.push_back(SuspectKind::exposure);
     if (word == "focus") kinds.push_back(SuspectKind::focus);
     if (word == "pose")
@@ -154,94 +154,154 @@ bool ReconstructRequest::refines_axis() const {
   return std::ranges::count(split(refine), "axis") > 0;
 }
 
+template <>
+std::span<const SettingRow<ReconstructRequest>> setting_rows() {
+  using R = ReconstructRequest;
+  using enum SettingKind;
+  static const std::vector<SettingRow<R>> rows{
+      {"find",
+       "WHAT",
+       "emission; temperature, with known absorption; both: temperature and absorption, from two "
+       "channels",
+       &R::find,
+       word,
+       {"emission", "temperature", "both"}},
+      {"channel", "NAME",
+       "Channel that is reconstructed; for both, two or more with commas between (the pictures' "
+       "first)",
+       &R::channel},
+      {"absorption-error",
+       "SHARE",
+       "Relative standard deviation of a known absorption, alike everywhere: 0.1 for 10 %",
+       &R::absorption_error,
+       number,
+       {},
+       0,
+       1},
+      {"absorption-ratios", "R[,R]",
+       "For both: absorption of the further channels over that of the first (soot: inverse to the "
+       "wavelengths)",
+       &R::ratio},
+      {"noise",
+       "SHARE",
+       "Standard deviation added to each pixel's own, as a share of the largest value",
+       &R::noise,
+       number,
+       {},
+       0,
+       1},
+      {"support", "FILE.vdb", "Nothing is where this file's first grid is 0 (.vdb)", &R::support,
+       file},
+      {"all-voxels", "", "Solve also for places behind dark pixels", &R::all, flag},
+      {"solver", "NAME",
+       "With a penalty: fista, nnls (few unknowns), cgls or lsqr. Without, stopped by the noise: "
+       "sirt, sart, mlem, osem, mart",
+       &R::solver, word, reconstruction_solvers()},
+      {"smoothing", "A[,B,C]",
+       "Weight of the penalty along each axis of the unknowns, e.g. 3,1,1 where depth is x (1,1,1)",
+       &R::smoothing},
+      {"strength",
+       "NUMBER",
+       "Of the penalty; 0: none; without it, by cross-validation",
+       &R::strength,
+       number,
+       {},
+       0,
+       kMostStrength},
+      {"iterations", "N", "At most, of the last solution", &R::iterations, whole, {}, 1, 1000000},
+      {"subsets", "N", "Of the rows, for sart and osem (4)", &R::subsets, whole, {}, 1, 1000},
+      {"relaxation",
+       "NUMBER",
+       "Of sirt (1.9), sart (1) and mart (0.05): above 0, below 2, for mart up to 1",
+       &R::relaxation,
+       number,
+       {},
+       0,
+       kMostRelaxation},
+      {"prior", "FILE.vdb", "The penalty pulls towards the emission of this earlier result",
+       &R::prior, file},
+      {"start", "FILE.vdb", "Begin with this earlier result", &R::start, file},
+      {"resume", "FILE.vdb",
+       "Go on from this result of the same command that was stopped, with its strength", &R::resume,
+       file},
+      rays_row<R>(),
+      bin_row<R>(),
+      cells_row<R>(),
+      {"draws", "N", "Draws for the standard deviations; 0: none", &R::draws, whole, {}, 0, kMany},
+      {"probes",
+       "N",
+       "Random vectors for what is resolved; 0: none",
+       &R::probes,
+       whole,
+       {},
+       0,
+       kMany},
+      {"spread", "X,Y,Z", "Tell how wide a point at this place becomes; repeatable", &R::spreads,
+       lengths},
+      {"refine", "WHAT[,...]",
+       "Correct what the pictures say is wrong: exposure, pose (place and turn about the line of "
+       "sight), focus, axis (of rings)",
+       &R::refine},
+      {"memory", "N", "Most memory of the matrix [MB]", &R::memory, whole, {}, 0, 1000 * kMany},
+      {"form",
+       "FORM",
+       "Kept in memory: matrix; rays, followed in each iteration; drawn: nothing, each iteration "
+       "draws the rays again; auto: the first that fits",
+       &R::form,
+       word,
+       {"auto", "matrix", "rays", "drawn"}},
+      {"truth", "", "Compare with the first scene's flames", &R::truth, flag},
+      {"seed", "N", "Seed of the rays (default: the scene's + 1000)", &R::seed, whole}};
+  return rows;
+}
+
 void set_option(ReconstructRequest& request, const std::string& name, const std::string& text) {
-  UnknownsRequest& unknowns = request.unknowns;
-  const std::map<std::string, std::string*> texts{{"unknowns", &unknowns.kind},
-                                                  {"grid", &unknowns.grid},
-                                                  {"center", &unknowns.centre},
-                                                  {"size", &unknowns.size},
-                                                  {"axis", &unknowns.axis},
-                                                  {"basis", &unknowns.basis},
-                                                  {"absorption", &unknowns.absorption},
-                                                  {"find", &request.find},
-                                                  {"channel", &request.channel},
-                                                  {"solver", &request.solver},
-                                                  {"smoothing", &request.smoothing},
-                                                  {"absorption-ratios", &request.ratio},
-                                                  {"start", &request.start},
-                                                  {"resume", &request.resume},
-                                                  {"prior", &request.prior},
-                                                  {"support", &request.support},
-                                                  {"refine", &request.refine},
-                                                  {"rays", &request.rays},
-                                                  {"iterations", &request.iterations},
-                                                  {"draws", &request.draws},
-                                                  {"probes", &request.probes},
-                                                  {"bin", &request.bin},
-                                                  {"cells", &request.cells},
-                                                  {"seed", &request.seed},
-                                                  {"subsets", &request.subsets},
-                                                  {"memory", &request.memory},
-                                                  {"form", &request.form}};
-  if (const auto found = texts.find(name); found != texts.end()) {
-    *found->second = text;
-  } else if (name == "strength") {
-    request.strength = number_option("--strength", text, 0, kMostStrength);
-  } else if (name == "noise") {
-    request.noise = number_option("--noise", text, 0, 1);
-  } else if (name == "absorption-error") {
-    request.absorption_error = number_option("--absorption-error", text, 0, 1);
-  } else if (name == "relaxation") {
-    request.relaxation = number_option("--relaxation", text, 0, kMostRelaxation);
-  } else if (name == "spread") {
-    request.spreads.push_back(text);
-  } else if (name == "truth" || name == "all-voxels") {
-    check_choice("--" + name, text, {"true", "false"});
-    (name == "truth" ? request.truth : request.all) = text == "true";
-  } else {
-    throw UsageError("there is no option --" + name);
-  }
+  const SettingNames names = request.names();
+  if (!set_setting(request, names, name, text) && !set_setting(request.unknowns, names, name, text))
+    throw UsageError("there is no setting " + names(name));
 }
 
 ReconstructionSettings reconstruction_settings(const ReconstructRequest& request,
                                                std::uint64_t seed) {
-  check_words(request);
+  const SettingNames& names = request.names();
+  check_unknowns(request.unknowns);
   ReconstructionSettings result;
-  result.rays.samples = whole_number_option("--rays", request.rays, 2, kMostSamples);
+  result.rays.samples = request.rays;
   result.rays.seed = seed;
-  rows_option(request.bin, request.cells, result.rays);
+  rows_option(names, request.bin, request.cells, result.rays);
   result.solver = solvers().at(request.solver);
   result.penalty_axes = smoothing_of(request);
-  result.strength = request.strength;
-  result.iterations = whole_number_option("--iterations", request.iterations, 1, 1000000);
-  if (!request.subsets.empty())
-    result.subsets = whole_number_option("--subsets", request.subsets, 1, 1000);
-  result.relaxation = request.relaxation;
+  result.strength = request.strength.value_or(-1);
+  result.iterations = request.iterations;
+  if (request.subsets) result.subsets = *request.subsets;
+  result.relaxation = request.relaxation.value_or(-1);
   result.support = !request.all;
-  result.draws = whole_number_option("--draws", request.draws, 0, 100000);
+  result.draws = request.draws;
   result.test_model = result.draws > 0;
   result.absorption_error = request.absorption_error;
-  result.probes = whole_number_option("--probes", request.probes, 0, 100000);
-  result.memory = 1e6 * whole_number_option("--memory", request.memory, 0, 100000000);
+  result.probes = request.probes;
+  result.memory = 1e6 * request.memory;
   result.form = forms().at(request.form);
-  for (const std::string& spread : request.spreads) point_option("--spread", spread);
+  for (const std::string& spread : request.spreads) point_option(names("spread"), spread);
   check_solver(request, result.solver);
   check_sought(request);
-  refuse(!request.refined().empty() && !is_penalised(result.solver), "--refine",
-         "tests the model against the penalty, which --solver " + request.solver + " has not");
-  refuse(result.absorption_error > 0 && !(result.draws > 0 && is_penalised(result.solver)),
-         "--absorption-error",
-         "is a part of the deviations, which need --draws and a solver with a penalty");
-  refuse(request.refines_axis() && request.unknowns.kind != "rings", "--refine axis",
+  const std::string solver = names("solver", request.solver);
+  refuse(!request.refined().empty() && !is_penalised(result.solver), names("refine"),
+         "tests the model against the penalty, which " + solver + " has not");
+  refuse(
+      result.absorption_error > 0 && !(result.draws > 0 && is_penalised(result.solver)),
+      names("absorption-error"),
+      "is a part of the deviations, which need " + names("draws") + " and a solver with a penalty");
+  refuse(request.refines_axis() && request.unknowns.kind != "rings", names("refine", "axis"),
          "is for rings, not for " + request.unknowns.kind);
-  refuse(wants_matrix(result.solver) && !(result.memory > 0), "--memory 0",
-         "leaves no room for the stored matrix, whose rows --solver " + request.solver +
+  refuse(wants_matrix(result.solver) && !(result.memory > 0), names("memory", "0"),
+         "leaves no room for the stored matrix, whose rows " + solver +
              " goes through; the others follow the rays again");
   refuse(wants_matrix(result.solver) && (request.form == "rays" || request.form == "drawn"),
-         "--form " + request.form,
-         "has no matrix, through whose rows --solver " + request.solver + " goes");
+         names("form", request.form), "has no matrix, through whose rows " + solver + " goes");
   const bool start = !request.start.empty() || request.start_values;
-  if (start && !request.resume.empty()) throw UsageError("--start or --resume, not both");
+  if (start && !request.resume.empty())
+    throw UsageError(names("start") + " or " + names("resume") + ", not both");
   return result;
 }
 

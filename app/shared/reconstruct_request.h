@@ -1,6 +1,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,21 +24,34 @@ struct EarlierResult {
   std::string shape;                                      ///< shape_text(); empty: not stated
 };
 
-/// A call for a reconstruction, as texts of the options of `plenoflame reconstruct`; all
-/// front ends fill it. Empty texts stand for defaults.
+/// A request for a reconstruction; all front ends fill it. Empty texts stand for defaults.
 struct ReconstructRequest {
+  UnknownsRequest unknowns;
+  std::string find = "emission", channel;
+  double absorption_error = 0, noise = 0;
+  std::string ratio, support;  ///< support: a file
+  bool all = false;
+  std::string solver = "fista", smoothing;
+  std::optional<double> strength = {};
+  int iterations = 300;
+  std::optional<int> subsets = {};
+  std::optional<double> relaxation = {};
+  std::string prior, start, resume;  ///< files
+  int rays = 64;
+  std::string bin = "1";
+  int cells = 3, draws = 30, probes = 16;
   std::vector<std::string> spreads;
   std::string refine;  ///< "exposure,pose,focus,axis", or some of them
-  UnknownsRequest unknowns;
-  std::string find = "emission", channel, solver = "fista", smoothing, ratio;
-  std::string start, resume, prior, support;  ///< files
-  std::string rays = "64", iterations = "300", draws = "30", probes = "16", bin = "1", cells = "3",
-              seed, subsets, memory = "2000", form = "auto";
-  double strength = -1, noise = 0, relaxation = -1, absorption_error = 0;
-  bool all = false, truth = false;
+  int memory = 2000;   ///< [MB]
+  std::string form = "auto";
+  bool truth = false;
+  std::optional<std::uint64_t> seed = {};
+  /// An operator that was made for the same settings; it must outlive the reconstruction.
+  BuiltRows built = {};
   /// In place of files.
   std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;
 
+  const SettingNames& names() const { return unknowns.names; }
   Sought sought() const;
   /// Quantities of cameras that may be corrected. @throws UsageError for other words
   std::vector<SuspectKind> refined() const;
@@ -47,16 +61,18 @@ struct ReconstructRequest {
   std::vector<std::string> channels() const;
 };
 
-/// Names that options take.
+/// Names of solvers.
 std::vector<std::string> reconstruction_solvers();
 
-/// Sets an option by its name, "unknowns" or "absorption-ratios"; flags ("truth", "all-voxels")
-/// take true or false.
-/// @throws UsageError for an unknown name and for numbers out of range
+template <>
+std::span<const SettingRow<ReconstructRequest>> setting_rows();
+
+/// Sets a setting of it, or of its unknowns, by its name; flags take true or false. Repeated
+/// settings are added. @throws UsageError for an unknown name and for numbers out of range
 void set_option(ReconstructRequest& request, const std::string& name, const std::string& text);
 
 /// Settings for core; nothing that cannot work passes, before anything is read or followed.
-/// @throws UsageError in the words of the command line
+/// @throws UsageError
 ReconstructionSettings reconstruction_settings(const ReconstructRequest& request,
                                                std::uint64_t seed);
 

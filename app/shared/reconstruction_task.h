@@ -15,6 +15,8 @@ namespace plenoflame {
 /// which both halves of the Python package show.
 class ReconstructionTask {
  public:
+  /// @param names as its caller writes settings
+  explicit ReconstructionTask(SettingNames names) { request_.unknowns.names = names; }
   using Compile = std::function<std::shared_ptr<const CompiledScene>(const Execution&)>;
 
   /// As set_option() of ReconstructRequest.
@@ -27,6 +29,9 @@ class ReconstructionTask {
   /// @param use "start" or "prior" @param field "emission", "temperature" or "absorption"
   /// @throws UsageError
   void set_earlier(const std::string& use, const std::string& field, std::vector<double> values);
+
+  /// Uses rows that were made with the same settings. They must outlive the runs.
+  void set_built(const BuiltRows& built) { request_.built = built; }
 
   /// Called with each state of the run, by the reconstructing thread.
   using Watch = std::function<void(const ReconstructionState&, const Unknowns&)>;

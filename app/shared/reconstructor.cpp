@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <numbers>
 #include <sstream>
 #include <utility>
 
@@ -16,6 +15,7 @@
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
 #include "reconstruct_verdict.h"
+#include "reconstruct_warnings.h"
 
 namespace plenoflame {
 namespace {
@@ -37,9 +37,9 @@ std::vector<std::string> wanted_channels(const ReconstructRequest& request,
     for (std::size_t k = 0; k < wanted; ++k) names.push_back(picture.channels[k].name);
   }
   if (both && names.size() < 2 && !filtered)
-    throw UsageError(
-        "--channel: both takes two channels, e.g. 650nm,850nm, or filters of two colours in the "
-        "pupil");
+    throw UsageError(request.names()("channel") +
+                     ": both takes two channels, e.g. 650nm,850nm, or filters of two colours in "
+                     "the pupil");
   return names;
 }
 
@@ -50,64 +50,6 @@ std::size_t number_of(const Scene& scene, const std::string& name, const std::st
   if (found == scene.channels.end())
     throw InputError(fmt::format("{} has no channel {}, which {} holds", scene_file, name, image));
   return static_cast<std::size_t>(found - scene.channels.begin());
-}
-
-/// Depth resolved by one camera alone is bounded by its pupil, and no algorithm mends that.
-void warn_single_camera(const Reconstruction& result, const Unknowns& unknowns, double angle,
-                        const Execution& execution, Report& report) {
-  if (!(angle > 0)) return;
-  const double depth = 1 / (2 * std::tan(angle));
-  std::string text = fmt::format(
-      "one camera sees the grid within +-{:.3g} deg: depth is resolved {:.3g} times worse than "
-      "what is across",
-      angle * 180 / std::numbers::pi, depth);
-  if (result.resolved_unknowns >= 0)
-    text += fmt::format("; {:.0f} of {} unknowns are resolved", result.resolved_unknowns,
-                        unknowns.size());
-  text += ". Use --unknowns rings where the flame is round, or more cameras";
-  report.add("warning", text, "warning", text);
-  report.add_json("half_angle_rad", angle);
-  execution.warn(text);
-}
-
-/// Reasons beside the model for pictures that are not explained.
-std::string what_else_may_be(const Reconstruction& figures) {
-  if (figures.reason == StopReason::iterations) return "more --iterations may explain more, or ";
-  if (figures.trials.empty() && figures.strength > 0) return "--strength is too large, or ";
-  return "";
-}
-
-void warn_of(const Reconstruction& figures, const ReconstructionSettings& settings,
-             const Execution& execution) {
-  if (!figures.stored && settings.form == OperatorForm::automatic)
-    execution.warn(fmt::format(
-        "the matrix would take {:.3g} MB of the {:.3g} MB that it may (--memory): rays are {} "
-        "again in each iteration",
-        1e-6 * figures.matrix_bytes, 1e-6 * settings.memory,
-        figures.drawn ? "more than the machine has memory for, and drawn" : "followed"));
-  if (!figures.complete) return;
-  constexpr double kLeastAccepted = 0.2;
-  if (!figures.explained_by_noise)
-    execution.warn(
-        fmt::format("noise does not explain the pictures, chi^2 per row stays at {:.3g}: {}the "
-                    "model is wrong by more than that (grid, scene, absorption)",
-                    figures.chi_squared, what_else_may_be(figures)));
-  else if (figures.strength_at_end)
-    execution.warn(
-        "the strength is at the end of the range that was looked at: see the curve in "
-        "--report FILE.html, or give --strength");
-  if (figures.chain && figures.chain->accepted < kLeastAccepted)
-    execution.warn(
-        fmt::format("the temperature is known so badly that its deviations are rough: a "
-                    "Markov chain takes {:.0f} % of its steps",
-                    100 * figures.chain->accepted));
-  // Small cameras whose rows erred by 10 % had a scatter of 1.4 to 2 stated deviations.
-  constexpr double kMostOfRays = 0.05;
-  if (figures.rays_error.overall > kMostOfRays)
-    execution.warn(
-        fmt::format("the rays err by {:.2g} % of a row: the light that is found is too little, and "
-                    "its stated deviations are lower bounds; follow more --rays",
-                    100 * figures.rays_error.overall));
 }
 
 void warn_of_scenes(const ReconstructCameras& cameras, const Execution& execution) {
@@ -147,14 +89,14 @@ std::vector<double> absorption_ratios(const ReconstructRequest& request,
       number.imbue(std::locale::classic());
       double ratio = 0;
       if (!(number >> ratio) || !number.eof() || !(ratio > 0))
-        throw UsageError("--absorption-ratios: '" + word + "' is no number above 0");
+        throw UsageError(request.names()("absorption-ratios") + ": '" + word +
+                         "' is no number above 0");
       ratios.push_back(ratio);
     }
     if (ratios.size() != cameras.channels.size())
-      throw UsageError(
-          fmt::format("--absorption-ratios: {} for {} channels, one less than which "
-                      "are wanted",
-                      ratios.size() - 1, cameras.channels.size()));
+      throw UsageError(fmt::format("{}: {} for {} channels, one less than which are wanted",
+                                   request.names()("absorption-ratios"), ratios.size() - 1,
+                                   cameras.channels.size()));
     return ratios;
   }
   const auto wavelength = [&](std::size_t k) {
@@ -162,7 +104,8 @@ std::vector<double> absorption_ratios(const ReconstructRequest& request,
   };
   for (std::size_t k = 1; k < cameras.channels.size(); ++k) {
     if (!(wavelength(0) > 0) || !(wavelength(k) > 0))
-      throw UsageError("a channel of all wavelengths has none: give --absorption-ratios");
+      throw UsageError("a channel of all wavelengths has none: give " +
+                       request.names()("absorption-ratios"));
     ratios.push_back(wavelength(0) / wavelength(k));
   }
   return ratios;
@@ -190,7 +133,7 @@ void check_refined(const ReconstructRequest& request, const ReconstructCameras& 
   if (request.refined().empty()) return;
   for (const ReconstructCamera& camera : cameras.cameras)
     if (!camera.scene->camera.pupil_filters().empty())
-      throw UsageError("--refine: " + camera.what +
+      throw UsageError(request.names()("refine") + ": " + camera.what +
                        " has filters in its pupil, whose colours would pass for displacements");
 }
 
@@ -253,17 +196,14 @@ ReconstructCameras reconstruct_cameras(const ReconstructRequest& request,
   ReconstructCameras result;
   result.cameras = std::move(cameras);
   // Other rays than those of the pictures, which may be renderings of the same scene.
-  result.seed = request.seed.empty()
-                    ? result.first().scene.render.seed + 1000
-                    : whole_number_option<std::uint64_t>("--seed", request.seed, 0);
+  result.seed = request.seed.value_or(result.first().scene.render.seed + 1000);
   const int bin = reconstruction_settings(request, result.seed).rays.bin;
   for (const ReconstructCamera& camera : result.cameras) {
     const SensorSpec& sensor = camera.scene->scene.camera.sensor;
     if (bin > sensor.columns || bin > sensor.rows)
-      throw UsageError(
-          fmt::format("--bin: the sensor of {} has {} x {} pixels, no block of {} x "
-                      "{}",
-                      camera.what, sensor.columns, sensor.rows, bin, bin));
+      throw UsageError(fmt::format("{}: the sensor of {} has {} x {} pixels, no block of {} x {}",
+                                   request.names()("bin"), camera.what, sensor.columns, sensor.rows,
+                                   bin, bin));
   }
   const bool filtered = std::any_of(result.cameras.begin(), result.cameras.end(),
                                     [](const ReconstructCamera& camera) {
@@ -284,7 +224,8 @@ ReconstructCameras reconstruct_cameras(const ReconstructRequest& request,
   for (std::size_t k = 0; k < result.channels.size(); ++k)
     for (std::size_t m = 0; m < k; ++m)
       if (result.channels[k] == result.channels[m])
-        throw UsageError("--channel: " + result.channel_name(k) + " is given twice");
+        throw UsageError(request.names()("channel") + ": " + result.channel_name(k) +
+                         " is given twice");
   absorption_ratios(request, result);
   return result;
 }
@@ -325,8 +266,9 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   settings_.rays.channel = static_cast<int>(cameras.channels[0]);
   check_refined(request_, cameras);
   if (request_.truth && !scene.medium)
-    throw UsageError("--truth: the scene has no flame to compare with");
-  request_.unknowns.fitted_block = fitted_block(request_.unknowns, cameras, first[0], execution);
+    throw UsageError(request_.names()("truth") + ": the scene has no flame to compare with");
+  if (!request_.built.rays)
+    request_.unknowns.fitted_block = fitted_block(request_.unknowns, cameras, first[0], execution);
   // The middle of a block by the pictures is no axis yet.
   const bool no_axis = request_.unknowns.kind == "rings" && request_.unknowns.axis.empty() &&
                        request_.unknowns.fitted_block;
@@ -344,7 +286,7 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   absorption_ = absorption_of(request_.unknowns, scene, cameras.channels[0], *unknowns_);
   if (!request_.support.empty()) support_ = read_support(request_.support, *unknowns_);
   for (const std::string& spread : request_.spreads) {
-    const auto [x, y, z] = point_option("--spread", spread);
+    const auto [x, y, z] = point_option(request_.names()("spread"), spread);
     spreads_.push_back({x, y, z});
   }
   if (request_.truth)
@@ -364,11 +306,11 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   const EarlierResult start = earlier(resumes ? nullptr : request_.start_values, path);
   if (const std::string shape = shape_text(*unknowns_);
       resumes && !start.shape.empty() && start.shape != shape)
-    throw InputError(
-        fmt::format("{} has {} unknowns, not {}: --resume continues the same command, and "
-                    "--start begins another one from a file",
-                    path, start.shape, shape));
-  if (resumes && request_.strength < 0) settings_.strength = start.strength;
+    throw InputError(fmt::format(
+        "{} has {} unknowns, not {}: {} continues the same command, and {} begins "
+        "another one from a file",
+        path, start.shape, shape, request_.names()("resume"), request_.names()("start")));
+  if (resumes && !request_.strength) settings_.strength = start.strength;
   if (request_.sought() == Sought::emission) {
     start_ = samples_of(start.emission, absorption_);
   } else if (start.temperature.empty() || start.absorption.empty()) {
@@ -437,9 +379,9 @@ void Reconstructor::refine(const FrameMeasurements& measurements, const Executio
       refine_cameras(linear_input(measurements), settings_, request_.refined(), execution);
   settings_.refined = refinement_->corrections;
   if (!refinement_->settled)
-    execution.warn(
-        "--refine: the corrections have not settled; the model is wrong by more than they can "
-        "mend");
+    execution.warn(request_.names()("refine") +
+                   ": the corrections have not settled; the model is wrong by more than they can "
+                   "mend");
 }
 
 ReconstructionInput Reconstructor::linear_input(const FrameMeasurements& measurements) const {
@@ -452,6 +394,7 @@ ReconstructionInput Reconstructor::linear_input(const FrameMeasurements& measure
   input.prior = prior_;
   input.support = support_;
   input.spread_at = spreads_;
+  input.built = request_.built;
   return input;
 }
 
@@ -547,7 +490,7 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, double s
 
 Report Reconstructor::report(const ReconstructResult& result, const std::string& output,
                              const Execution& execution) const {
-  warn_of(result.figures, settings_, execution);
+  warn_of(result.figures, settings_, request_.names(), execution);
   Report report;
   std::vector<std::string> cameras;
   for (const ReconstructCamera& camera : cameras_.cameras) cameras.push_back(camera.what);
@@ -586,10 +529,13 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
   if (truth_) report_errors(result.estimate, *truth_, *unknowns_, report);
   if (cameras.size() == 1 && kind == "voxels")
     warn_single_camera(result.figures, *unknowns_,
-                       half_angle(cameras_.first(), *unknowns_, settings_.rays), execution, report);
+                       half_angle(cameras_.first(), *unknowns_, settings_.rays), request_.names(),
+                       execution, report);
   if (!result.figures.complete)
-    report.add("stopped", "early: this is what was reached by then; --resume goes on", "complete",
-               false);
+    report.add(
+        "stopped",
+        "early: this is what was reached by then; " + request_.names()("resume") + " goes on",
+        "complete", false);
   if (!output.empty()) report.add("written", output, "output", output);
   return report;
 }

@@ -18,6 +18,11 @@ void Report::add_text(const std::string& label, const std::string& text) {
   lines_.emplace_back(label, text);
 }
 
+void Report::add_all(const Report& other) {
+  lines_.insert(lines_.end(), other.lines_.begin(), other.lines_.end());
+  json_.update(other.json_);
+}
+
 void Report::add_json(const std::string& key, nlohmann::json value) {
   json_[key] = std::move(value);
 }

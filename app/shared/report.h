@@ -18,6 +18,8 @@ class Report {
   void add_text(const std::string& label, const std::string& text);
   /// A value for JSON only.
   void add_json(const std::string& key, nlohmann::json value);
+  /// Adds all of another one.
+  void add_all(const Report& other);
   /// Labels and values, as they would be printed.
   const std::vector<std::pair<std::string, std::string>>& lines() const { return lines_; }
   /// The JSON object as text, ending with a line break.

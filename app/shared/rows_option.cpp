@@ -4,11 +4,11 @@
 
 namespace plenoflame {
 
-void rows_option(const std::string& bin, const std::string& cells, CameraRaySettings& rays) {
-  const int parts = whole_number_option("--cells", cells, 1, 100);
+void rows_option(const SettingNames& names, const std::string& bin, int cells,
+                 CameraRaySettings& rays) {
   rays.bin = 1;
-  rays.cells = bin == "view" ? parts : bin == "micro-image" ? 1 : 0;
-  if (rays.cells == 0) rays.bin = whole_number_option("--bin", bin, 1, 10000);
+  rays.cells = bin == "view" ? cells : bin == "micro-image" ? 1 : 0;
+  if (rays.cells == 0) rays.bin = whole_number_option(names("bin"), bin, 1, 10000);
 }
 
 }  // namespace plenoflame

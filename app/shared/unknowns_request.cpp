@@ -8,39 +8,43 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 
 namespace plenoflame {
 namespace {
 
 /// Whole numbers at least 1, separated by commas.
-std::vector<int> counts_option(const std::string& option, const std::string& text) {
+std::vector<int> counts_of(const UnknownsRequest& request, std::vector<int> otherwise) {
+  if (request.grid.empty()) return otherwise;
+  const std::string& text = request.grid;
   std::vector<int> counts;
   std::istringstream words(text);
   for (std::string word; std::getline(words, word, ',');)
-    counts.push_back(whole_number_option(option, word, 1, 100000));
+    counts.push_back(whole_number_option(request.names("grid"), word, 1, 100000));
   return counts;
 }
 
 /// A matrix counts its columns with 32 bits. @throws UsageError
-void check_number_of_unknowns(const std::vector<int>& counts) {
+void check_number_of_unknowns(const UnknownsRequest& request, const std::vector<int>& counts) {
   double unknowns = 1;
   for (const int count : counts) unknowns *= count;
   constexpr double kMost = std::numeric_limits<std::int32_t>::max();
   if (unknowns <= kMost) return;
   std::ostringstream text;
-  text << "--grid: " << unknowns << " unknowns are more than " << kMost
+  text << request.names("grid") << ": " << unknowns << " unknowns are more than " << kMost
        << "; a vector of this length takes " << unknowns * sizeof(double) / 1e9
        << " GB; use a coarser grid";
   throw UsageError(text.str());
 }
 
 /// Very thin unknowns resolve nothing, and a line meets all of them.
-void check_shape(const std::string& what, std::initializer_list<double> sides) {
+void check_shape(const UnknownsRequest& request, const std::string& what,
+                 std::initializer_list<double> sides) {
   constexpr double kMost = 1000;
   const auto [least, most] = std::minmax_element(sides.begin(), sides.end());
   if (*most <= kMost * *least) return;
   std::ostringstream text;
-  text << "--grid: " << what << " would be " << *most / *least
+  text << request.names("grid") << ": " << what << " would be " << *most / *least
        << " times as long as wide, and at most 1000 times is allowed: use numbers in proportion to "
           "the sides of the box";
   throw UsageError(text.str());
@@ -54,8 +58,7 @@ Vec3 vector_option(const std::string& option, const std::string& text) {
 std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& box) {
   const Vec3 size = box.upper - box.lower;
   const double longest = std::max({size.x, size.y, size.z});
-  std::vector<int> counts =
-      request.grid.empty() ? std::vector<int>{32} : counts_option("--grid", request.grid);
+  std::vector<int> counts = counts_of(request, {32});
   if (counts.size() == 1) {
     const double step = longest / counts[0];
     const auto along = [&](double side) {
@@ -64,25 +67,22 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
     counts = {along(size.x), along(size.y), along(size.z)};
   }
   if (counts.size() != 3)
-    throw UsageError(
-        "--grid must be the voxels along the longest side, or along all three, NX,NY,NZ");
-  check_number_of_unknowns(counts);
+    throw UsageError(request.names("grid") +
+                     " must be the voxels along the longest side, or along all three, NX,NY,NZ");
+  check_number_of_unknowns(request, counts);
   const Vec3 step{size.x / counts[0], size.y / counts[1], size.z / counts[2]};
-  check_shape("voxels", {step.x, step.y, step.z});
-  RegularLattice lattice;
-  lattice.count = {counts[0], counts[1], counts[2]};
-  lattice.interpolation =
-      request.basis == "constant" ? VoxelInterpolation::constant : VoxelInterpolation::trilinear;
-  lattice.index_to_world.linear = {{{{step.x, 0, 0}, {0, step.y, 0}, {0, 0, step.z}}}};
-  lattice.index_to_world.translation = box.lower + 0.5 * step;
+  check_shape(request, "voxels", {step.x, step.y, step.z});
+  RegularLattice lattice =
+      regular_lattice(0.5 * (box.lower + box.upper), size, {counts[0], counts[1], counts[2]});
+  if (request.basis == "constant") lattice.interpolation = VoxelInterpolation::constant;
   return make_voxel_unknowns(lattice);
 }
 
 std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& box) {
-  std::vector<int> counts =
-      request.grid.empty() ? std::vector<int>{40, 80} : counts_option("--grid", request.grid);
-  if (counts.size() != 2) throw UsageError("--grid must be the rings and heights, N,M");
-  check_number_of_unknowns(counts);
+  std::vector<int> counts = counts_of(request, {40, 80});
+  if (counts.size() != 2)
+    throw UsageError(request.names("grid") + " must be the rings and heights, N,M");
+  check_number_of_unknowns(request, counts);
   const Vec3 size = box.upper - box.lower;
   RingGrid grid;
   Vec3 middle = 0.5 * (box.lower + box.upper);
@@ -91,10 +91,10 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
     grid.axis = direction;
     middle = point + dot(middle - point, direction) * direction;
   } else if (!request.axis.empty() && !request.fits_axis()) {
-    grid.axis = vector_option("--axis", request.axis);
+    grid.axis = vector_option(request.names("axis"), request.axis);
   }
   if (!(length(grid.axis) > 0))
-    throw UsageError("--axis must be a direction, e.g. \"0 m, 0 m, 1 m\"");
+    throw UsageError(request.names("axis") + " must be a direction, e.g. \"0 m, 0 m, 1 m\"");
   grid.axis = normalize(grid.axis);
   const Vec3 a{std::fabs(grid.axis.x), std::fabs(grid.axis.y), std::fabs(grid.axis.z)};
   const double height = dot(a, size);
@@ -105,17 +105,36 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
   grid.heights = counts[1];
   grid.radial_step = radius / grid.rings;
   grid.height_step = height / grid.heights;
-  check_shape("rings", {grid.radial_step, grid.height_step});
+  check_shape(request, "rings", {grid.radial_step, grid.height_step});
   grid.base = middle - (0.5 * (height - grid.height_step)) * grid.axis;
   return make_ring_unknowns(grid);
 }
 
 std::unique_ptr<Unknowns> layers_of(const UnknownsRequest& request, const Box& box) {
-  const std::vector<int> counts =
-      request.grid.empty() ? std::vector<int>{10} : counts_option("--grid", request.grid);
-  if (counts.size() != 1) throw UsageError("--grid must be the number of layers, N");
+  const std::vector<int> counts = counts_of(request, {10});
+  if (counts.size() != 1)
+    throw UsageError(request.names("grid") + " must be the number of layers, N");
   return make_layer_unknowns(
       {0.5 * (box.lower + box.upper), 0.5 * (box.upper - box.lower), counts[0]});
+}
+
+bool is_value(const std::string& absorption) {
+  return !absorption.empty() && absorption != "none" && absorption != "scene";
+}
+
+/// The known value everywhere [1/m]; 0: none is given. @throws UsageError
+double value_of_absorption(const UnknownsRequest& request) {
+  if (!is_value(request.absorption)) return 0;
+  // Dense soot has some 1e3 1/m. Beyond this bound a flame is black within a micrometre.
+  constexpr double kMost = 1e6;
+  const std::string name = request.names("absorption");
+  const double value = quantity_option(name, request.absorption, Dimension::absorption);
+  if (!(value > 0)) throw UsageError(name + " must be above 0, or none");
+  if (value > kMost)
+    throw UsageError(name + ": '" + request.absorption +
+                     "' is beyond every flame, which would be black within a micrometre; at most "
+                     "1e6 1/m");
+  return value;
 }
 
 }  // namespace
@@ -125,31 +144,72 @@ Box block_of(const UnknownsRequest& request, const CompiledScene& scene) {
   Box box;
   if (scene.medium) box = scene.medium->bounds();
   if (box.empty() && (request.centre.empty() || request.fits_block())) return box;
-  const Vec3 centre = request.centre.empty() ? 0.5 * (box.lower + box.upper)
-                                             : vector_option("--center", request.centre);
-  const Vec3 size =
-      request.fits_block() ? box.upper - box.lower : vector_option("--size", request.size);
+  const Vec3 centre = request.centre.empty()
+                          ? 0.5 * (box.lower + box.upper)
+                          : vector_option(request.names("center"), request.centre);
+  const Vec3 size = request.fits_block() ? box.upper - box.lower
+                                         : vector_option(request.names("size"), request.size);
   if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0))
-    throw UsageError("--size needs three lengths above 0");
+    throw UsageError(request.names("size") + " needs three lengths above 0");
   return {centre - 0.5 * size, centre + 0.5 * size};
 }
 
 std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const CompiledScene& scene) {
   const Box box = block_of(request, scene);
   if (box.empty())
-    throw UsageError("the scene has no flame that gives the box; give --center and --size");
+    throw mended_by(UsageError("the scene has no flame that gives the box; give it"),
+                    {"center", "size"});
   if (request.kind == "layers") return layers_of(request, box);
   return request.kind == "rings" ? rings_of(request, box) : voxels_of(request, box);
 }
 
+template <>
+std::span<const SettingRow<UnknownsRequest>> setting_rows() {
+  using R = UnknownsRequest;
+  using enum SettingKind;
+  static const std::vector<SettingRow<R>> rows{
+      {"unknowns",
+       "KIND",
+       "voxels; rings x heights around an axis; ellipsoidal layers that fill the block",
+       &R::kind,
+       word,
+       {"voxels", "rings", "layers"}},
+      {"grid", "N[,N,N]",
+       "Voxels along the longest side or along all three, NX,NY,NZ (32); rings and heights, N,M "
+       "(40,80); layers (10)",
+       &R::grid},
+      {"center", "X,Y,Z",
+       "Middle of the block, \"1 m, 0 m, 5 mm\"; without it, that of the scene's flames",
+       &R::centre, lengths},
+      {"size", "X,Y,Z",
+       "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames, or by the "
+       "pictures (auto)",
+       &R::size, lengths},
+      {"axis", "X,Y,Z",
+       "Direction of the rings' axis through the block's middle (\"0 m, 0 m, 1 m\"), or fit: place "
+       "and direction by the pictures",
+       &R::axis, lengths},
+      {"basis",
+       "KIND",
+       "Of voxels: trilinear or constant (trilinear)",
+       &R::basis,
+       word,
+       {"trilinear", "constant"}},
+      {"absorption", "WHICH",
+       "Known absorption: none (no temperature is found), a value like \"8 1/m\" everywhere, or "
+       "scene: that of the scene's flames (none)",
+       &R::absorption}};
+  return rows;
+}
+
 void check_unknowns(const UnknownsRequest& request) {
-  check_choice("--unknowns", request.kind, {"voxels", "rings", "layers"});
-  check_choice("--basis", request.basis, {"", "trilinear", "constant"});
+  const SettingNames& names = request.names;
   if (!request.basis.empty() && request.kind != "voxels")
-    throw UsageError("--basis is for voxels: " + request.kind + " have one of their own");
+    throw UsageError(names("basis") + " is for voxels: " + request.kind + " have one of their own");
   if (!request.axis.empty() && request.kind != "rings")
-    throw UsageError("--axis is for rings, not for " + request.kind);
-  if (!request.grid.empty()) counts_option("--grid", request.grid);
+    throw UsageError(names("axis") + " is for rings, not for " + request.kind);
+  counts_of(request, {});
+  value_of_absorption(request);
 }
 
 std::size_t unknown_axes(const UnknownsRequest& request) {
@@ -200,15 +260,14 @@ std::vector<double> absorption_of(const UnknownsRequest& request, const Compiled
   std::vector<double> absorption;
   if (request.absorption.empty() || request.absorption == "none") return absorption;
   if (request.absorption == "scene") {
-    if (!scene.medium) throw UsageError("--absorption scene: the scene has no flame");
+    const std::string name = request.names("absorption", "scene");
+    if (!scene.medium) throw UsageError(name + ": the scene has no flame");
     for (std::size_t j = 0; j < unknowns.size(); ++j)
       absorption.push_back(flame_at(scene, channel, unknowns.place(j)).absorption);
     if (*std::max_element(absorption.begin(), absorption.end()) > 0) return absorption;
-    throw UsageError("--absorption scene: the scene's flames absorb nothing within the grid");
+    throw UsageError(name + ": the scene's flames absorb nothing within the grid");
   }
-  const double value = quantity_option("--absorption", request.absorption, Dimension::absorption);
-  if (!(value > 0)) throw UsageError("--absorption must be above 0, or none");
-  absorption.assign(unknowns.size(), value);
+  absorption.assign(unknowns.size(), value_of_absorption(request));
   return absorption;
 }
 

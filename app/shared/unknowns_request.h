@@ -9,12 +9,13 @@
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/unknowns.h"
 #include "plenoflame/scene/compile.h"
+#include "settings.h"
 
 namespace plenoflame {
 
-/// The unknowns to solve for, and what is known of them, as texts of the options of `operator` and
-/// `reconstruct`.
+/// The unknowns to solve for, and what is known of them, as texts.
 struct UnknownsRequest {
+  SettingNames names = {};  ///< as its caller writes them
   std::string kind = "voxels", grid, centre, size, axis, basis, absorption;
   /// The rings' axis where it was fitted: a point of it, and its direction.
   std::optional<std::pair<Vec3, Vec3>> fitted_axis = {};
@@ -25,10 +26,13 @@ struct UnknownsRequest {
   bool fits_axis() const { return kind == "rings" && axis == "fit"; }
   bool fits_block() const { return size.empty() || size == "auto"; }
 };
+template <>
+std::span<const SettingRow<UnknownsRequest>> setting_rows();
+
 /// Axes that such unknowns have: 3 of voxels, 2 of rings, 1 of layers.
 std::size_t unknown_axes(const UnknownsRequest& request);
 
-/// Options that do not go together, and words that are none of a list. @throws UsageError
+/// Refuses settings that do not go together, and values that cannot be. @throws UsageError
 void check_unknowns(const UnknownsRequest& request);
 
 /// The block that the request asks for, by default that of the scene's flames; empty where neither

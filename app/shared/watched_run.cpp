@@ -9,7 +9,6 @@
 #include <thread>
 #include <utility>
 
-#include "options.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -27,13 +26,13 @@ struct Mailbox {
 
 }  // namespace
 
-std::string message_of_current_exception() {
+std::string message_of_current_exception(const SettingNames& names) {
   try {
     throw;
   } catch (const std::bad_alloc&) {
     return "not enough memory";
   } catch (const Error& error) {
-    return message_with_options(error);
+    return names.message(error);
   } catch (const std::exception& error) {
     return error.what();
   } catch (...) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "settings.h"
 
 namespace plenoflame {
 
@@ -17,7 +18,7 @@ void watched_run(int threads, const std::function<bool(double fraction)>& watch,
                  std::vector<std::string>& warnings,
                  const std::function<void(const Execution&)>& task);
 
-/// The message of the exception that is being handled.
-std::string message_of_current_exception();
+/// The message of the exception that is being handled. @param names for the settings that mend it
+std::string message_of_current_exception(const SettingNames& names);
 
 }  // namespace plenoflame

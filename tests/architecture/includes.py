@@ -6,7 +6,7 @@ INCLUDE = re.compile(r'\s*#\s*include\s*(?P<quote>[<"])(?P<name>[^>"]+)[>"]')
 
 # An area of core may include areas with a lower number, and itself.
 LEVELS = {"base": 0, "math": 1, "image": 1, "sampling": 2, "radiometry": 2, "film": 2, "media": 3,
-          "optics": 3, "solids": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6, "calibration": 6, "inverse": 7}
+          "optics": 3, "solids": 3, "camera": 4, "scene": 5, "lightfield": 5, "render": 6, "measure": 6, "calibration": 6, "inverse": 7}
 # Plain values of a scene, visible below their level to these areas.
 PLAIN_VALUES = re.compile(r"scene/(scene|\w+_spec)\.h$")
 SEE_PLAIN_VALUES = {"optics", "camera", "solids", "lightfield"}

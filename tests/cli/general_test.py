@@ -47,6 +47,18 @@ class General(CommandTest):
             self.fails(2, name, mentions="plenoflame %s --help" % name)
             self.fails(2, name, "a", "b", "c", "d", "--nonsense", mentions="--help")
 
+    def test_an_option_given_twice(self):
+        self.fails(2, "render", "a.toml", "--samples", "1", "--samples", "2",
+                   mentions=["--samples is given twice: '1' and '2'; give it once", "render --help"])
+        text = self.run_command("render", "a.toml", *(("--seed", "3") * 3)).stderr
+        self.assertIn("--seed is given 3 times", text)
+        self.assertNotIn("At Most", text)
+
+    def test_an_absorption_beyond_every_flame(self):
+        for value in ("1e9 1/m", "1000001 1/m"):
+            self.fails(2, "operator", "none.toml", "--absorption", value, "-o", "a.npz", mentions=["--absorption: ", "1e6 1/m"])
+        self.fails(1, "operator", "none.toml", "--absorption", "999999 1/m", "-o", "a.npz", mentions="none.toml")
+
     def test_full_standard_output_is_a_failure(self):
         with open("/dev/full", "w") as full:
             result = self.run_command("--version", stdout=full)

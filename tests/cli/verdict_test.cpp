@@ -3,10 +3,11 @@
 #include <string>
 #include <vector>
 
-#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/mended_by.h"
+#include "reconstruct_request.h"
 #include "reconstruct_verdict.h"
+#include "settings.h"
 
 namespace plenoflame::verdict_test {
 namespace {
@@ -29,9 +30,45 @@ TEST(Verdict, NamesAnAbsorptionBeyondTwoStatedErrors) {
 }
 
 TEST(Options, StandBesideTheMessagesOfErrorsThatTheyMend) {
-  EXPECT_EQ(message_with_options(InputError("a")), "a");
-  EXPECT_EQ(message_with_options(mended_by(InputError("a"), {"region", "margin"})),
+  EXPECT_EQ(SettingNames().message(InputError("a")), "a");
+  EXPECT_EQ(SettingNames().message(mended_by(InputError("a"), {"region", "margin"})),
             "a (--region, --margin)");
+}
+
+TEST(SettingNames, AreWrittenAsTheCallerWritesThem) {
+  using Style = SettingNames::Style;
+  const auto written = [](Style style) {
+    const SettingNames names(style);
+    return names("absorption-error") + ", " + names("solver", "mart") + ", " + names("memory", "0");
+  };
+  EXPECT_EQ(written(Style::option), "--absorption-error, --solver mart, --memory 0");
+  EXPECT_EQ(written(Style::argument), "absorption_error, solver='mart', memory=0");
+  EXPECT_EQ(written(Style::words), "absorption error, solver mart, memory 0");
+}
+
+TEST(Settings, OfARequestAreSetByName) {
+  ReconstructRequest request;
+  request.unknowns.names = SettingNames::Style::argument;
+  set_option(request, "iterations", "7");
+  set_option(request, "spread", "1 m, 0 m, 0 m");
+  set_option(request, "spread", "2 m, 0 m, 0 m");
+  set_option(request, "strength", "0.5");
+  set_option(request, "unknowns", "rings");
+  EXPECT_EQ(request.iterations, 7);
+  EXPECT_EQ(request.spreads.size(), 2U);
+  EXPECT_EQ(request.strength, 0.5);
+  EXPECT_EQ(request.unknowns.kind, "rings");
+  const auto refusal = [&](const char* name, const char* text) -> std::string {
+    try {
+      set_option(request, name, text);
+    } catch (const UsageError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(refusal("absorption-error", "2"), "absorption_error: 2 is not a number from 0 to 1");
+  EXPECT_NE(refusal("solver", "mat").find("solver: 'mat' is not one of"), std::string::npos);
+  EXPECT_EQ(refusal("colour", "red"), "there is no setting colour");
 }
 
 }  // namespace

@@ -55,6 +55,14 @@ if("${COMPONENTS}" STREQUAL "core")
   if(NOT output MATCHES "farthest from the picture: [0-9.]+e-0[89] of [1-9.]+[0-9e.-]* W")
     message(FATAL_ERROR "the operator does not make the picture: ${output}")
   endif()
+  run("render" "${WORK_DIR}/examples/render" "${EXAMPLES}/lenslets-30.toml" "${WORK_DIR}/field.exr")
+  run("reconstruct" "${WORK_DIR}/examples/reconstruct" "${EXAMPLES}/lenslets-30.toml" "${WORK_DIR}/field.exr"
+    "${WORK_DIR}/field.exr")
+  # Two pictures by one operator; it explains nearly all of their light.
+  if(NOT output MATCHES "explained ([0-9.e-]+) W of ([0-9.e-]+) W\nexplained ([0-9.e-]+) W of"
+     OR NOT CMAKE_MATCH_1 STREQUAL CMAKE_MATCH_3)
+    message(FATAL_ERROR "the reconstructions differ: ${output}")
+  endif()
 endif()
 if(WITH_CLI)
   run("the installed command" "${prefix}/${BINDIR}/plenoflame" --version)

@@ -86,7 +86,8 @@ class Arguments(PackageTest):
         cold[1, 2, 3] = numpy.nan
         self.refused("at (1, 2, 3); values must be finite and not negative", scene.add_flame,
                      make(cold, hot, spacing=1e-3))
-        self.refused("no key", scene.add_flame, make(hot, hot, spacing=1e-3), colour="red")
+        with self.assertRaisesRegex(TypeError, "has no argument 'colour'"):
+            scene.add_flame(make(hot, hot, spacing=1e-3), colour="red")
         self.assertEqual(scene.text, self.small.text)
 
     def test_scenes(self):

@@ -342,6 +342,8 @@ class Home(PackageTest):
                  lambda: plenoflame.reconstruct(self.small, self.field, absorbtion="scene")),
                 (r"Scene\(\) has no argument 'txt'; did you mean 'text'\?", lambda: plenoflame.Scene(txt="")),
                 (r"LightField.views\(\) .* 'q'; there are grid, spread", lambda: self.field.views(q=1)),
+                (r"Operator.image\(\) .* 'camer'; did you mean 'camera'\?", lambda: self.operator.image([1], camer=0)),
+                (r"merge\(\) .* 'picture'; did you mean 'pictures'\?", lambda: plenoflame.merge(picture=[])),
                 (r"make_flame\(\) .* 'hight'; did you mean 'height'\?", lambda: plenoflame.make_flame("candle", hight=1))):
             with self.assertRaisesRegex(TypeError, sentence):
                 action()
@@ -367,7 +369,7 @@ class Home(PackageTest):
             warnings.simplefilter("always")
             found = plenoflame.reconstruct(self.small, self.field, grid=(4, 3, 2), rays=4, **QUICK)
         texts = [str(caution.message) for caution in cautions] + [found.report, found.figures["warning"]]
-        self.assertIn("unknowns rings", found.report)
+        self.assertIn("unknowns='rings'", found.report)
         self.assertEqual([text for text in texts if "--" in text], [])
         self.assertEqual({caution.filename for caution in cautions}, {__file__})  # warnings point here
 

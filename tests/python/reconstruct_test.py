@@ -270,6 +270,25 @@ class Reconstruct(PackageTest):
                 self.small.operator(**self.RINGS)
             plenoflame.reconstruct(self.small, self.picture, draws=0, probes=0, **self.RINGS)
 
+    def test_an_operator_serves_several_pictures(self):
+        settings = {**self.RINGS, "rays": 4, "seed": 5, "center": (1, 0, 0), "size": (0.06, 0.06, 0.08)}
+        quick = {"draws": 0, "probes": 0, "strength": 1e-3, "iterations": 8}
+        operator = self.small.operator(**settings)
+        plain = plenoflame.reconstruct(self.small, self.picture, **quick, **settings)
+        for stored in (False, True):
+            if stored:
+                self.assertGreater(operator.matrix.nnz, 0)
+            found = plenoflame.reconstruct(self.small, self.picture, operator=operator, **quick)
+            self.assertEqual(found.shape, plain.shape)
+            numpy.testing.assert_allclose(found.emission, plain.emission, rtol=1e-4, atol=1e-4 * plain.emission.max())
+        for sentence, arguments in (("rays is that of the operator, 4, not 16", {"rays": 16}),
+                                    ("operator is for find='emission'", {"find": "both"}),
+                                    ("rows of the matrix", {"operator": self.small.operator(**settings), "solver": "mart"})):
+            with self.assertRaisesRegex(plenoflame.Error, sentence):
+                plenoflame.reconstruct(self.small, self.picture, **{"operator": operator, **arguments})
+        with self.assertRaisesRegex(plenoflame.Error, "operator takes one of Scene.operator"):
+            plenoflame.reconstruct(self.small, self.picture, operator=3)
+
     def test_every_bad_argument_has_the_commands_sentence(self):
         def refuses(sentence, **arguments):
             with self.assertRaisesRegex(plenoflame.Error, sentence) as caught:
@@ -278,13 +297,14 @@ class Reconstruct(PackageTest):
         refuses("unknowns: 'ring' is not one of voxels, rings, layers; did you mean 'rings'", unknowns="ring")
         refuses("grid must be the rings and heights", grid=4)
         refuses("smoothing: 3 numbers for 2 axes of rings", smoothing=(1, 2, 3))
-        refuses("solver sirt has no penalty", solver="sirt", strength=1)
-        refuses("memory 0 leaves no room for the stored matrix", solver="mart", memory=0)
+        refuses("solver='sirt' has no penalty", solver="sirt", strength=1)
+        refuses("memory=0 leaves no room for the stored matrix", solver="mart", memory=0)
+        refuses("absorption: '1000000000.0 1/m' is beyond every flame", absorption=1e9)
         refuses("noise: 2 is not a number from 0 to 1", noise=2)
         refuses("rays takes a whole number", rays=1)
         refuses("bin: the sensor .* has 60 x 60 pixels", bin=61)
-        refuses("find temperature needs absorption", find="temperature")
-        refuses("absorption_ratios is for find both", absorption_ratios=0.7)
+        refuses("find='temperature' needs absorption", find="temperature")
+        refuses("absorption_ratios is for find='both'", absorption_ratios=0.7)
         refuses("no channel", channel="blue")
         refuses("lies outside of all pictures", center=(1, 1, 0), size=(0.01, 0.01, 0.01))
         refuses("earlier result has 30 unknowns, not 12", grid=(3, 4), start=plenoflame.reconstruct(

@@ -13,7 +13,8 @@
 Results are at home in numpy, xarray and notebooks: numpy.asarray(views), light_field.to_xarray(), pickle.dumps(found), a
 picture and the main numbers where a notebook shows them, a bar with progress=True.
 
-Every function raises plenoflame.Error with the message that the command `plenoflame` would print.
+Every function raises plenoflame.Error with the message that the command `plenoflame` would print, and TypeError for a wrong
+keyword, with the nearest right one.
 
 The package works without VTK. Where VTK is there, to_vtk() gives scenes, light fields, flames and rays as its objects, and
 from_vtk() takes them back; plenoflame.vtk has the classes of VTK pipelines, and is loaded when it is asked for. picture(),
@@ -28,20 +29,22 @@ from ._run import Error, need_vtk as _need_vtk
 from ._values import Quantity
 from ._version import __version__
 from .flame import Flame, flame_arrays, flame_from_arrays, flame_generators, import_flame, make_flame, read_flame, write_flame
-from .light_field import Export, FocusStack, LightField, Refocused, Views, export_formats, read_light_field
+from .light_field import Export, FocusStack, LightField, Refocused, Views, export_formats, merge, read_light_field
+from .measurements import Corners, Frames, ImportedCamera, MicroImages, Projections, Temperatures, Truth, import_camera
 from .picture import picture
+from .raw import Imported, Radiometry, White, calibrate_radiometry, calibrate_white, import_raw
 from .ray_blocks import RayBlock
 from .rays import Rays
 from .reconstruction import Reconstruction, reconstruct
 from .scene import Scene
 
-__all__ = ["Error", "Export", "Flame", "FocusStack", "LightField", "Quantity", "RayBlock", "Rays",
-           "Reconstruction", "Refocused", "Scene", "Views", "__version__", "export_formats", "flame_arrays",
-           "flame_from_arrays", "flame_generators", "import_flame", "make_flame", "picture", "read_flame",
-           "read_light_field", "reconstruct", "write_flame"]
+__all__ = ["Corners", "Error", "Export", "Flame", "FocusStack", "Frames", "Imported", "ImportedCamera", "LightField", "MicroImages",
+           "Projections", "Quantity", "Radiometry", "RayBlock", "Rays", "Reconstruction", "Refocused", "Scene", "Temperatures", "Truth", "Views", "White",
+           "__version__", "calibrate_radiometry", "calibrate_white", "export_formats", "flame_arrays", "flame_from_arrays", "flame_generators", "import_camera",
+           "import_flame", "import_raw", "make_flame", "merge", "picture", "read_flame", "read_light_field", "reconstruct", "write_flame"]
 
 for _name in __all__:
-    if _name != "Export":
+    if not hasattr(globals()[_name], "_fields"):  # named tuples have no keywords of their own
         globals()[_name] = _guarded(globals()[_name])
 
 

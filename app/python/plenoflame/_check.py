@@ -6,6 +6,7 @@ import os
 
 import numpy
 
+from . import _core
 from ._run import Error
 
 _MOST = 2 ** 31 - 1
@@ -54,6 +55,31 @@ def choice(name, value, choices):
         return value
     listed = ", ".join(repr(c) for c in choices if c is not None)
     raise Error(f"there is no {name} {value!r}; there are {listed}")
+
+
+def seconds(name, value):
+    """A time above 0 s: seconds, or a text with a unit. "auto" is 0."""
+    if isinstance(value, str):
+        if value == "auto":
+            return 0.0
+        try:
+            value = _core.seconds(value)
+        except _core.Failure as failure:
+            raise Error(f"{name}: {failure}") from None
+    value = number(name, value, 0)
+    if value == 0:
+        raise Error(f"{name} takes a time above 0 s, or 'auto'")
+    return value
+
+
+def names(name, values, what):
+    """Texts: a sequence of them, or one text with commas."""
+    if isinstance(values, str):
+        values = values.split(",") if values else ()
+    try:
+        return [text(name, value) for value in values]
+    except TypeError:
+        raise Error(f"{name} takes {what}, not {values!r}") from None
 
 
 def text(name, value):

@@ -1,8 +1,15 @@
-"""Arguments as the texts that the command's options take."""
+"""Arguments that are rows of the library's table of settings."""
 
-from . import _check
+import functools
+import inspect
+import os
+
+from . import _check, _core
+from ._arguments import refusal
 from ._run import Error, errors_of
 from ._values import Quantity, text_of
+
+_Kind = _core.SettingKind
 
 
 def lengths(value, unit="m"):
@@ -21,22 +28,67 @@ def words(value):
     return text_of(value)
 
 
-def set_options(algorithm, **options):
-    """Sets those that are not None on an algorithm with SetOption()."""
-    with errors_of(algorithm):
-        for name, value in options.items():
-            if value is not None:
-                algorithm.set_option(name.replace("_", "-"), value)
+def _default(value, kind, repeated):
+    if repeated:
+        return ()
+    if kind == _Kind.flag:
+        return False
+    if not value:
+        return None
+    return int(value) if value.isdigit() else float(value) if kind == _Kind.number else value
 
 
-def unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel):
-    """Options that operators and reconstructions have in common."""
-    if absorption is not None and not isinstance(absorption, str):
-        absorption = lengths(absorption, "1/m")
-    return {"unknowns": unknowns, "grid": None if grid is None else words(grid),
-            "center": None if center is None else lengths(center), "size": None if size is None else lengths(size),
-            "axis": None if axis is None else lengths(axis), "basis": basis, "absorption": absorption,
-            "channel": None if channel is None else words(channel)}
+class Settings:
+    """The settings of a request: their names, defaults and texts."""
+
+    def __init__(self, rows):
+        """rows: those of the library's table"""
+        self.rows = {name.replace("-", "_"): (name, text, _default(value, kind, repeated), kind, repeated)
+                     for name, _form, text, value, kind, repeated in rows}
+
+    def arguments_of(self, function):
+        """Decorates a function that takes them as **settings: gives it their signature, and adds their texts to its docstring."""
+        keyword = inspect.Parameter.KEYWORD_ONLY
+        kept = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
+        rows = [inspect.Parameter(name, keyword, default=row[2]) for name, row in self.rows.items()]
+        signature = inspect.Signature([p for p in kept if p.kind is not keyword] + rows + [p for p in kept if p.kind is keyword])
+        known = [name for name in signature.parameters if name != "self"]
+
+        @functools.wraps(function)
+        def checked(*arguments, **named):
+            for name in named:
+                if name not in known:
+                    raise TypeError(refusal(function.__qualname__, name, known))
+            return function(*arguments, **named)
+
+        del checked.__wrapped__  # whose signature is another one
+        checked.__signature__ = signature
+        indent = " " * (8 if "self" in signature.parameters else 4)
+        checked.__doc__ = function.__doc__.replace("{settings}", ("\n" + indent).join(
+            f"{name}: {row[1]}" for name, row in self.rows.items()))
+        return checked
+
+    def set(self, algorithm, given):
+        """Gives an object of the library those that are not None or the defaults. Raises Error."""
+        with errors_of():
+            for name, value in given.items():
+                own, _, default, kind, repeated = self.rows[name]
+                for one in ([value] if not repeated or isinstance(value, str) else value):
+                    if one is not None and one is not default:
+                        algorithm.set_option(own, _text(name, one, kind))
+
+
+def _text(name, value, kind):
+    """The text that a row takes."""
+    if kind == _Kind.flag:
+        return str(bool(value)).lower()
+    if kind == _Kind.file:
+        return os.fspath(value)
+    if kind == _Kind.lengths:
+        return lengths(value)
+    if name == "absorption" and not isinstance(value, str):
+        return lengths(value, "1/m")
+    return words(value)
 
 
 def cameras_of(scene):

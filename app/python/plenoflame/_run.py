@@ -3,7 +3,6 @@ threads at work meanwhile."""
 
 import contextlib
 import importlib
-import re
 import signal
 import sys
 import threading
@@ -14,12 +13,7 @@ from ._progress import watcher
 
 
 class Error(RuntimeError):
-    """What went wrong, in the words of the command line."""
-
-
-def in_our_words(text):
-    """The command speaks of --absorption-ratios, who writes Python of absorption_ratios."""
-    return re.sub(r"(?<![\w-])--([a-z][a-z-]*)", lambda match: match[1].replace("-", "_"), text)
+    """What went wrong, in one sentence. It names arguments as Python writes them."""
 
 
 def _depth_of_caller():
@@ -33,9 +27,9 @@ def _depth_of_caller():
 def deliver(errors, cautions):
     """Passes warnings on, and raises the first error."""
     for text in cautions:
-        warnings.warn(in_our_words(text), RuntimeWarning, stacklevel=_depth_of_caller())
+        warnings.warn(text, RuntimeWarning, stacklevel=_depth_of_caller())
     if errors:
-        raise Error(in_our_words(errors[0]))
+        raise Error(errors[0])
 
 
 @contextlib.contextmanager

@@ -10,6 +10,7 @@ import numpy
 
 from . import _check, _core, _home
 from ._run import Error, made, update
+from .measurements import Frames, MicroImages, Projections, Temperatures, Truth, exposed, temperatures, truth_of
 
 _RESAMPLINGS = ("nearest", "barycentric", "paper9", "paper10")
 
@@ -164,17 +165,79 @@ class LightField(_home.AtHome):
             setattr(self._filters[kind], name, value)
         return self._filters[kind]
 
-    def develop(self, *, saturation=0.0, bits=14, curve="display", channel=""):
-        """What a sensor makes of it: numpy array (rows, columns) of uint16.
+    def develop(self, *, saturation=0.0, bits=14, curve="display", channel="", colour=False):
+        """The picture: numpy array (rows, columns) of uint16. expose() and electrons() have the sensor's noise.
 
         saturation: flux [W] that gives the largest value; 0: 99.9 % of the lit pixels do not exceed it
         curve: "display" (sRGB) or "linear"
+        colour: in colour, sRGB: (rows, columns, 3) of uint8; from channels with the responses cie_x, cie_y and cie_z, or else the
+        first three as red, green and blue
         """
+        if colour:
+            picture = made(_core.Colour, input=self._data, saturation=_check.number("saturation", saturation, 0))
+            return update(picture).output
         curve = _check.choice("curve", curve, ("linear", "display"))
         attributes = {"saturation": _check.number("saturation", saturation, 0), "bits": _check.whole("bits", bits, 1, 16),
                       "curve": getattr(_core.ToneCurve, curve), "channel": _check.text("channel", channel)}
         with self._filtering:
             return update(self._filter(_core.Develop, **attributes)).output
+
+    def expose(self, exposure=None, *, noise=("shot", "read", "dark", "defects"), noise_seed=None, frames=1, dark=False, channel="",
+               threads=0):
+        """Frames of camera.sensor, as `plenoflame develop --sensor` writes them. Returns Frames.
+
+        exposure: [s], or a text with a unit; "auto": 99.9 % of the lit pixels are below the full well; None: the sensor's
+        noise: the kinds that are simulated; noise_seed: None: the sensor's
+        frames: their number, each with its own noise; dark: frames without light
+        channel: "": the first; a sensor with a mosaic takes the first three
+
+        Raises Error.
+
+            >>> import plenoflame
+            >>> field = plenoflame.Scene("small.toml").render(samples=2)
+            >>> frames = field.expose("auto", frames=2)
+            >>> frames.numbers.shape, frames.numbers.dtype
+            ((2, 60, 60), dtype('uint16'))
+        """
+        return Frames(*exposed(self._data, exposure, None, noise, noise_seed, frames, dark, channel, threads, False).output)
+
+    def electrons(self, exposure=None, *, channel_exposure=None, noise=("shot", "read", "dark", "defects"), noise_seed=None,
+                  dark=False, threads=0):
+        """The electrons of all channels in one frame, and their errors: a LightField with the unit "e-", as `plenoflame develop
+        -o FILE.exr` writes it. Arguments as of expose().
+
+        channel_exposure: {channel: exposure}, in place of exposure
+        """
+        return LightField(exposed(self._data, exposure, channel_exposure, noise, noise_seed, 1, dark, "", threads, True).electrons)
+
+    def pyrometry(self, *, channels=(), filters=(), law=None, exponent=1.0, threshold=0.01, least_signal=2.0, bin=None, cells=3):
+        """Temperatures from the ratio of two channels, or of two filters in the pupil, as `plenoflame pyrometry`. Returns
+        Temperatures.
+
+        channels: two names; none: the first two; filters: two names of camera.pupil_filters, in place of channels
+        law: absorption against wavelength: "grey", "soot" (1/wavelength), "power" (wavelength^-exponent); None: that of the
+        scene's flames
+        threshold: least share of the largest value that gives a temperature; least_signal: least light, in standard errors
+        bin: what is added before the ratio: None, N for blocks of N x N pixels, "micro-image", or "view" for cells x cells parts
+        of each micro-image
+
+        Raises Error.
+        """
+        found = temperatures(self._data, channels, filters, law, exponent, threshold, least_signal, bin, cells)
+        return Temperatures(LightField(found.output), found.figures)
+
+    def truth(self, points=(), *, rays=4096, chief_rays=False, threads=0, progress=None):
+        """Ground truth of the raw image by its camera, as `plenoflame truth`. Returns Truth.
+
+        points: (x, y, z) in the world [m], which are projected through all microlenses that see them
+        rays: over the aperture, for the centroids of each point
+        chief_rays: whether each pixel's chief ray is found, too: layers chief.x, .y, .z [m] and chief.dx, .dy, .dz
+
+        Raises Error.
+        """
+        found = truth_of(self._data, points, rays, chief_rays, threads, progress)
+        return Truth(MicroImages(*found.micro_images), Projections(*found.projections),
+                     LightField(found.with_rays) if chief_rays else None)
 
     def views(self, grid=7, *, spread=0.7, resampling="barycentric", white_correction=True, channel="", threads=0,
               progress=None):
@@ -240,12 +303,7 @@ class LightField(_home.AtHome):
         stem = _check.text("name", name)
         if not stem or "/" in stem:
             raise Error("name: a name without folders; the folder is given with folder")
-        if isinstance(channels, str):
-            channels = channels.split(",") if channels else ()
-        try:
-            channels = [_check.text("channels", name) for name in channels]
-        except TypeError:
-            raise Error(f"channels takes three names of channels, not {channels!r}") from None
+        channels = _check.names("channels", channels, "three names of channels")
         writer = made(_core.Export, input=self._data, folder=os.fspath(folder), format=format, name=stem,
                       grid=_check.whole("grid", grid, 0, 99), channel=_check.text("channel", channel), channels=",".join(channels))
         return Export(*update(writer).output)
@@ -404,3 +462,23 @@ class FocusStack:
 def read_light_field(path):
     """Reads a light field (.exr) that Plenoflame wrote. Raises Error."""
     return LightField(update(made(_core.LightFieldReader, path=os.fspath(path))).output)
+
+
+def merge(pictures):
+    """One light field of several: parts of one picture, windows side by side, or the mean of different seeds, as `plenoflame merge`.
+
+        plenoflame.merge([scene.render(64, seed=1), scene.render(64, seed=2)]).error
+
+    pictures: LightFields, or names of files, of one scene
+
+    Raises Error.
+    """
+    inputs = []
+    for number, picture in enumerate(pictures, 1):
+        if isinstance(picture, LightField):
+            inputs.append((f"picture {number}", picture._data))
+        elif isinstance(picture, (str, os.PathLike)):
+            inputs.append((os.fspath(picture), None))
+        else:
+            raise Error(f"pictures takes LightFields or names of files, not {picture!r}")
+    return LightField(update(made(_core.Merge, inputs=inputs)).output)

@@ -5,11 +5,13 @@ from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator
 
 from . import _check, _core
-from ._options import cameras_of, set_options, unknowns_options
+from ._arguments import guarded
+from ._options import cameras_of
 from ._run import Error, errors_of, made, update
 from .light_field import LightField
 
 
+@guarded
 class Operator(LinearOperator):
     """A: samples of a flame (emission [W/(m^3 sr)], or with a known absorption the source function [W/(m^2 sr)]) to the
     fluxes of pixels [W]. Scene.operator() makes it.
@@ -21,7 +23,7 @@ class Operator(LinearOperator):
 
     def __init__(self, algorithm, sensors, bin, request):
         """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block, 1 for cells
-        of micro-images; request: the arguments of make_operator(), by which a pickled one is made again."""
+        of micro-images; request: scenes, settings and threads, by which a pickled one is made again."""
         self._algorithm = algorithm
         super().__init__(numpy.dtype(float), algorithm.shape)
         self._matrix = None
@@ -30,10 +32,15 @@ class Operator(LinearOperator):
         self._request = request
 
     def __reduce__(self):
-        return make_operator, self._request
+        return _made_again, self._request
 
     def __repr__(self):
         return f"<plenoflame.Operator, {self.shape[0]} rows, {self.shape[1]} unknowns, {self.rays} rays>"
+
+    @property
+    def settings(self):
+        """The arguments of Scene.operator() that were given."""
+        return dict(self._request[1])
 
     @property
     def rays(self):
@@ -130,7 +137,8 @@ class Operator(LinearOperator):
 
         images: a LightField or an array (rows, columns) of the sensor; of several cameras a list of them, in their order
         """
-        scenes, channel, bin = self._request[0], self._request[8], self._request[10]
+        scenes, settings, _ = self._request
+        channel, bin = settings.get("channel"), settings.get("bin", 1)
         if bin in ("view", "micro-image"):
             raise Error(f"rows() needs rows of whole pixels, not bin={bin!r}")
         images = images if isinstance(images, (list, tuple)) else [images]
@@ -164,19 +172,21 @@ class Operator(LinearOperator):
         return picture
 
 
-def make_operator(scene, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed, form,
-                  threads, progress):
-    """Scene.operator()."""
+def make_operator(scene, rows, settings, threads, progress=None):
+    """Scene.operator(). rows: Settings of an operator; settings: those that are given."""
     algorithm = made(_core.Operator, threads=_check.whole("threads", threads, 0, 1024))
     scenes = cameras_of(scene)
-    request = (scenes, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed, form, threads, None)
-    set_options(algorithm, **unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel),
-                rays=str(rays), bin=str(bin), cells=None if cells is None else str(cells),
-                seed=None if seed is None else str(seed), form=_check.text("form", form))
+    rows.set(algorithm, settings)
     for one in scenes:
         algorithm.add_camera(one._scene)
     update(algorithm, progress, "operator")
     if algorithm.shape[0] == 0:
         raise Error("stopped before there was a result")
+    bin = settings.get("bin", 1)
     side = 1 if str(bin) in ("view", "micro-image") else int(bin)
-    return Operator(algorithm, [(one.rows // side, one.columns // side) for one in scenes], side, request)
+    return Operator(algorithm, [(one.rows // side, one.columns // side) for one in scenes], side, (scenes, settings, threads))
+
+
+def _made_again(scenes, settings, threads):
+    from .scene import OPERATOR
+    return make_operator(scenes, OPERATOR, settings, threads)

@@ -9,10 +9,11 @@ import tempfile
 import numpy
 
 from . import _check, _core, _home
-from ._options import cameras_of, lengths, set_options, unknowns_options, words
-from ._run import Error, errors_of, in_our_words, made, update
+from ._options import Settings, cameras_of
+from ._run import Error, errors_of, made, update
 from .flame import Flame
 from .light_field import LightField, read_light_field
+from .scene import OPERATOR
 
 _FIELDS = ("emission", "temperature", "absorption")
 _DIMENSIONS = {"voxels": 3, "rings": 2, "layers": 1}
@@ -35,9 +36,7 @@ class Reconstruction(_home.AtHome):
         self.complete = algorithm.complete  #: False when it was stopped early: what was reached by then
         self.flame = Flame(algorithm.output)  #: the fields on voxels, as Scene.add_flame takes it
         self.figures = json.loads(algorithm.figures)  #: as `plenoflame reconstruct --json` prints them
-        if "warning" in self.figures:
-            self.figures["warning"] = in_our_words(self.figures["warning"])
-        self.report = in_our_words(algorithm.report)  #: the same as text, a line each
+        self.report = algorithm.report  #: the same as text, a line each
         shape = algorithm.shape
         while len(shape) > 1 and shape[-1] == 1:
             shape.pop()
@@ -213,11 +212,24 @@ def _pictures_of(images, scenes):
     return found
 
 
-def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None,
-                absorption=None, absorption_error=0, channel=None, absorption_ratios=None, noise=0, support=None, all_voxels=False,
-                solver="fista", smoothing=None, strength=None, iterations=300, subsets=None,
-                relaxation=None, prior=None, start=None, rays=64, bin=1, cells=None, draws=30, probes=16, spread=(), memory=2000,
-                form="auto", refine=None, seed=None, truth=False, threads=0, progress=None):
+def _with_operator(algorithm, operator, settings):
+    """The settings with those of an operator."""
+    if not hasattr(operator, "grid_shape"):
+        raise Error(f"operator takes one of Scene.operator(), not {operator!r}")
+    own = operator.settings
+    for name, value in settings.items():
+        there = own.get(name, OPERATOR.rows[name][2]) if name in OPERATOR.rows else value
+        if value is not None and value != there:
+            raise Error(f"{name} is that of the operator, {there!r}, not {value!r}")
+    algorithm.set_built(operator._algorithm)
+    return {**settings, **own}
+
+
+_SETTINGS = Settings(_core.reconstruct_settings())
+
+
+@_SETTINGS.arguments_of
+def reconstruct(scene, images, *, operator=None, threads=0, progress=None, **settings):
     """The flame back from pictures of it, as `plenoflame reconstruct` (docs/reconstruct.md), whose options these are.
 
         found = plenoflame.reconstruct(scene, scene.render(512), unknowns="rings", grid=(16, 32), absorption="scene")
@@ -226,16 +238,15 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
 
     scene: a Scene, or several; all cameras of each, or the one that is chosen
     images: a LightField or the name of its file, a list of them in the order of the cameras, or a dict by their names
-    find: "emission", "temperature" (with known absorption, on the renderer's formulas), "both" (of two channels)
-    grid: numbers of unknowns; center, size, axis: in metres, or texts with units
-    absorption: None, "scene", or a value [1/m]
-    absorption_error: relative standard deviation of a known absorption, alike everywhere; the deviations hold it
-    start, prior: a Reconstruction or a file
-    refine: what of the cameras the pictures may correct, of "exposure,pose,focus,axis"; `figures["corrected"]` tells what was
-    memory: of a stored matrix [MB]; beyond it rays are followed again in each iteration
-    form: what is kept: the "matrix", its "rays", or nothing: rays are "drawn" again in each iteration; "auto": the first that
-    there is memory for
-    progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what was reached until then
+    start, prior: a Reconstruction or a file; lengths are in metres, or texts with units; absorption in 1/m
+
+    {settings}
+
+    operator: one that Scene.operator() has made of these cameras. Its unknowns, rows and rays are used, so that several pictures
+    need them once; and its matrix, if A.matrix was asked for
+    threads: 0: one per processor
+    progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what
+    was reached until then
 
     Returns Reconstruction. Raises Error with the sentence of the command. Ctrl-C raises KeyboardInterrupt; what was reached
     by then is its `reconstruction` (None: nothing yet).
@@ -243,21 +254,14 @@ def reconstruct(scene, images, *, find="emission", unknowns="voxels", grid=None,
     algorithm = made(_core.Reconstruction, threads=_check.whole("threads", threads, 0, 1024))
     scenes = cameras_of(scene)
     pictures = _pictures_of(images, scenes)
-    options = unknowns_options(unknowns, grid, center, size, axis, basis, absorption, channel)
-    numbers = {"noise": noise, "strength": strength, "relaxation": relaxation, "iterations": iterations, "subsets": subsets,
-               "rays": rays, "bin": bin, "cells": cells, "draws": draws, "probes": probes, "memory": memory, "seed": seed,
-               "smoothing": smoothing, "absorption_ratios": absorption_ratios, "absorption_error": absorption_error}
-    options.update({name: None if value is None else words(value) for name, value in numbers.items()})
-    options.update(form=form, find=find, solver=solver, refine=refine,
-                   support=None if support is None else os.fspath(support), start=_set_earlier(algorithm, "start", start),
-                   prior=_set_earlier(algorithm, "prior", prior), truth=str(bool(truth)).lower(),
-                   all_voxels=str(bool(all_voxels)).lower())
-    options = {name: value if value is None else _check.text(name, value) for name, value in options.items()}
-    set_options(algorithm, **options)
-    for place in [spread] if isinstance(spread, str) else spread:
-        set_options(algorithm, spread=lengths(place))
+    if operator is not None:
+        settings = _with_operator(algorithm, operator, settings)
+    for use in ("start", "prior"):
+        settings[use] = _set_earlier(algorithm, use, settings.get(use))
+    _SETTINGS.set(algorithm, settings)
     for one, (picture, name) in zip(scenes, pictures):
         algorithm.add_camera(one._scene, picture._data, name)
+    unknowns = settings.get("unknowns", "voxels")
     try:
         update(algorithm, progress, "reconstruct")
     except KeyboardInterrupt as interrupt:

@@ -7,6 +7,7 @@ from ._home import AtHome
 from ._run import Progress
 from .flame import Flame
 from .light_field import LightField
+from .operators import Operator
 from .scene import Scene
 
 _Path = Union[str, PathLike[str]]
@@ -47,16 +48,15 @@ class Reconstruction(AtHome):
     def save(self, path: _Path) -> None: ...
 
 def reconstruct(scene: Union[Scene, Sequence[Scene]], images: Union[_Image, Sequence[_Image], Mapping[str, _Image]], *,
-                find: str = ..., unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ...,
-                center: Optional[_Place] = ..., size: Optional[_Place] = ..., axis: Optional[_Place] = ...,
-                basis: Optional[str] = ..., absorption: Union[None, str, float] = ..., absorption_error: float = ...,
-                channel: Union[None, str, Sequence[str]] = ...,
-                absorption_ratios: Union[None, float, Sequence[float]] = ..., noise: float = ...,
+                unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ..., center: Optional[_Place] = ...,
+                size: Optional[_Place] = ..., axis: Optional[_Place] = ..., basis: Optional[str] = ...,
+                absorption: Union[None, str, float] = ..., find: str = ..., channel: Union[None, str, Sequence[str]] = ...,
+                absorption_error: float = ..., absorption_ratios: Union[None, float, Sequence[float]] = ..., noise: float = ...,
                 support: Optional[_Path] = ..., all_voxels: bool = ..., solver: str = ...,
-                smoothing: Union[None, str, Sequence[float]] = ..., strength: Optional[float] = ...,
-                iterations: int = ..., subsets: Optional[int] = ...,
-                relaxation: Optional[float] = ..., prior: Union[None, Reconstruction, _Path] = ...,
-                start: Union[None, Reconstruction, _Path] = ..., rays: int = ..., bin: Union[int, str] = ..., cells: Optional[int] = ...,
-                draws: int = ...,
-                probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., memory: int = ..., form: str = ..., refine: Optional[str] = ..., seed: Optional[int] = ...,
-                truth: bool = ..., threads: int = ..., progress: Optional[Progress] = ...) -> Reconstruction: ...
+                smoothing: Union[None, str, Sequence[float]] = ..., strength: Optional[float] = ..., iterations: int = ...,
+                subsets: Optional[int] = ..., relaxation: Optional[float] = ...,
+                prior: Union[None, Reconstruction, _Path] = ..., start: Union[None, Reconstruction, _Path] = ...,
+                resume: Optional[_Path] = ..., rays: int = ..., bin: Union[int, str] = ..., cells: int = ..., draws: int = ...,
+                probes: int = ..., spread: Union[str, Sequence[_Place]] = ..., refine: Optional[str] = ..., memory: int = ...,
+                form: str = ..., truth: bool = ..., seed: Optional[int] = ..., operator: Optional[Operator] = ...,
+                threads: int = ..., progress: Optional[Progress] = ...) -> Reconstruction: ...

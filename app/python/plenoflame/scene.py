@@ -5,14 +5,19 @@ import os
 
 from . import _check, _core, _home
 from ._arguments import refusal
+from ._options import Settings
 from ._run import Error, errors_of, made, need_vtk, update
 from ._values import text_of, tree, value_of
 from .flame import Flame, voxels_of
 from .light_field import LightField
+from .measurements import corners_of
 from .ray_blocks import ray_blocks
 from .rays import Rays
 
 _ESTIMATORS = {None: None, "backward": _core.Estimator.backward, "forward": _core.Estimator.forward}
+
+
+OPERATOR = Settings(_core.operator_settings())
 
 
 class Scene(_home.Shown):
@@ -234,7 +239,8 @@ class Scene(_home.Shown):
             scene.add_flame(plenoflame.flame_from_arrays(T, kappa, spacing=1e-3), position="1 m, 0 m, -20 mm")
 
         lines: emission lines that it has arrays for, e.g. ["ch"]; ambient: temperature outside [K]; values: of the
-        flame by their keys, as scene["flames[0].KEY"] takes them. Raises Error, with the scene unchanged.
+        flame by their keys, as scene["flames[0].KEY"] takes them. Raises Error, or TypeError for an unknown key, with the scene
+        unchanged.
         """
         voxels = voxels_of(flame)
         ambient = _check.number("ambient", ambient, 0)
@@ -251,9 +257,12 @@ class Scene(_home.Shown):
             for number, line in enumerate(lines):
                 self.insert(path + ".lines", number)
                 values[f"lines[{number}].kind"] = line
+            known = [key[len(path) + 1:] for key in self.keys() if key.startswith(path + ".")]
             for key, value in values.items():
+                if key not in known:
+                    raise TypeError(refusal("Scene.add_flame", key, known))
                 self[f"{path}.{key}"] = value
-        except Error:
+        except (Error, TypeError):
             self.remove("flames", place)
             raise
         self._images[name] = (flame, ambient)
@@ -386,21 +395,28 @@ class Scene(_home.Shown):
         """
         return ray_blocks(self, samples, window, precision, radiance, seed, skip, rays_per_block, threads)
 
-    def operator(self, *, unknowns="voxels", grid=None, center=None, size=None, axis=None, basis=None, absorption=None,
-                 channel=None, rays=64, bin=1, cells=None, seed=None, form="auto", threads=0, progress=None):
+    def corners(self, rays=4096, *, threads=0, progress=None):
+        """Where the points of calibration patterns (corners of checkerboards, dots) are, in the world and in the raw image, as
+        `plenoflame corners`. Returns Corners.
+
+        rays: over the aperture, for each point
+
+        Raises Error for a scene without such patterns.
+        """
+        return corners_of(self._scene, rays, threads, progress)
+
+    @OPERATOR.arguments_of
+    def operator(self, *, threads=0, progress=None, **settings):
         """The matrix from a flame's samples to the pixels' fluxes, as `plenoflame operator` writes it (docs/reconstruct.md):
         a scipy.sparse.linalg.LinearOperator that follows rays, and with .matrix a csr_matrix. Needs SciPy.
 
             A = scene.operator(unknowns="rings", grid=(16, 32))
             x = scipy.sparse.linalg.lsqr(A, y)[0]
 
-        unknowns: "voxels", "rings" or "layers"; grid: their numbers; center, size, axis: in metres, or texts with units;
-        without them, where the scene's flames are
-        absorption: None (samples are those of emission), "scene", or a value [1/m]: samples of the source function
-        rays: per pixel and microlens; bin: pixels along each side of a row's block, "micro-image", or "view": the cells x cells
-        parts of each micro-image; seed: None: the scene's
-        form: "rays" are kept, or "drawn" again in each product, where their number takes no memory; "auto": kept where the
-        machine has memory for them
+        {settings}
+
+        Lengths are in metres, or texts with units. Without absorption samples are those of emission, else of the source function.
+        threads: 0: one per processor
         progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
         Of a scene with several cameras: all of them, one after the other, unless one is chosen. Returns Operator. Raises
@@ -410,8 +426,7 @@ class Scene(_home.Shown):
             from .operators import make_operator
         except ImportError as error:  # SciPy is needed for nothing else
             raise Error(f"operator() needs SciPy (Debian's python3-scipy, or pip install scipy): {error}") from None
-        return make_operator(self, unknowns, grid, center, size, axis, basis, absorption, channel, rays, bin, cells, seed,
-                             form, threads, progress)
+        return make_operator(self, OPERATOR, settings, threads, progress)
 
     def camera(self, **settings):
         """The camera's geometry as a vtkMultiBlockDataSet: vtkPlenoflameCameraSource, with its properties set by name,

@@ -2,15 +2,20 @@ from os import PathLike
 from typing import Any, Iterable, Iterator, Optional, Sequence, Union
 
 from ._home import Shown
+from ._options import Settings
 from ._run import Progress
 from .flame import Flame
 from .light_field import LightField
+from .measurements import Corners
 from .operators import Operator
 from .ray_blocks import RayBlock
 from .rays import Rays
 
 _Path = Union[str, PathLike[str]]
+_Place = Union[str, Sequence[float]]
 _Value = Union[str, bool, int, float, Sequence[Union[str, bool, int, float]]]
+
+OPERATOR: Settings
 
 class Scene(Shown):
     def to_vtk(self) -> Any: ...
@@ -61,11 +66,11 @@ class Scene(Shown):
     def ray_blocks(self, samples: int = ..., *, window: Optional[tuple[int, int, int, int]] = ...,
                    precision: str = ..., radiance: bool = ..., seed: int = ..., skip: bool = ...,
                    rays_per_block: int = ..., threads: int = ...) -> Iterator[RayBlock]: ...
-    def operator(self, *, unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ...,
-                 center: Union[None, str, Sequence[float]] = ..., size: Union[None, str, Sequence[float]] = ...,
-                 axis: Union[None, str, Sequence[float]] = ..., basis: Optional[str] = ...,
-                 absorption: Union[None, str, float] = ..., channel: Optional[str] = ..., rays: int = ...,
-                 bin: Union[int, str] = ..., cells: Optional[int] = ..., seed: Optional[int] = ..., form: str = ...,
-                 threads: int = ..., progress: Optional[Progress] = ...) -> Operator: ...
+    def corners(self, rays: int = ..., *, threads: int = ..., progress: Optional[Progress] = ...) -> Corners: ...
+    def operator(self, *, unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ..., center: Optional[_Place] = ...,
+                 size: Optional[_Place] = ..., axis: Optional[_Place] = ..., basis: Optional[str] = ...,
+                 absorption: Union[None, str, float] = ..., channel: Union[None, str, Sequence[str]] = ..., rays: int = ...,
+                 bin: Union[int, str] = ..., cells: int = ..., seed: Optional[int] = ..., form: str = ..., threads: int = ...,
+                 progress: Optional[Progress] = ...) -> Operator: ...
     def camera(self, **settings: Any) -> Any: ...
     def flame(self, resolution: int = ...) -> Flame: ...

@@ -12,6 +12,7 @@
 #include <string>
 #include <utility>
 
+#include "inverse/built_rows.h"
 #include "inverse/expected_misfit.h"
 #include "inverse/followed_change.h"
 #include "inverse/model_test.h"
@@ -401,7 +402,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   for (std::size_t v = 0; v < views.size(); ++v) views[v].window = input.measurements[v].window;
   require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0);
   const RowModel model = input.absorption.empty() ? RowModel::emission : RowModel::source;
-  if (must_be_stored(settings)) {  // a refusal does not wait until all rays are drawn
+  const BuiltRows& built = input.built;
+  if (built.rays) check_built(input, settings);
+  if (must_be_stored(settings) &&
+      !built.rays) {  // a refusal does not wait until all rays are drawn
     const double least =
         kBytesOfEntry * least_entries({nullptr, input.unknowns, model, input.absorption}, views,
                                       settings.rays, execution);
@@ -411,8 +415,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   const Execution solving = part_of_progress(execution, 0, settings.test_model ? kUntested : 1);
   const Execution drawing = part_of_progress(solving, 0, kDrawingShare);
   const Box box = input.unknowns->bounds();
-  const CameraRays rays =
-      rays_by(settings.assembly, settings.form, views, box, settings.rays, drawing);
+  const CameraRays drawn =
+      built.rays ? CameraRays()
+                 : rays_by(settings.assembly, settings.form, views, box, settings.rays, drawing);
+  const CameraRays& rays = built.rays ? *built.rays : drawn;
   if (rays.rows.empty())
     throw InputError(
         "no ray of any camera meets the grid of the unknowns: it lies outside of all pictures");
@@ -431,17 +437,19 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   require_vector_memory(settings, *input.unknowns, unknowns, result.rows);
   const EmissionProblem problem{&rays, input.unknowns, result.model, input.absorption};
   result.matrix_bytes = kBytesOfEntry * static_cast<double>(estimated_entries(problem));
-  result.stored = is_stored(settings, result.matrix_bytes);
+  result.stored = built.rays ? built.matrix != nullptr : is_stored(settings, result.matrix_bytes);
   ReconstructionSettings held = settings;
   if (!result.stored) held.memory = 0;
-  require_vector_memory(held, *input.unknowns, unknowns, result.rows,
-                        result.stored ? (result.drawn ? 2 : 1) * result.matrix_bytes : 0);
+  require_vector_memory(
+      held, *input.unknowns, unknowns, result.rows,
+      result.stored && !built.matrix ? (result.drawn ? 2 : 1) * result.matrix_bytes : 0);
   // A stop ends the solution between two iterations, so that what was reached is kept.
   const Execution quiet = execution.threads_only();
-  CsrMatrix<float> matrix;
-  if (result.stored)
-    matrix = settings.assembly ? settings.assembly->matrix(problem, execution)
-                               : make_emission_matrix(problem, execution);
+  CsrMatrix<float> made;
+  if (result.stored && !built.matrix)
+    made = settings.assembly ? settings.assembly->matrix(problem, execution)
+                             : make_emission_matrix(problem, execution);
+  const CsrMatrix<float>& matrix = built.matrix ? *built.matrix : made;
   // A product that follows the rays takes long: a stop ends it in the middle.
   const Execution ending = without_reports(execution);
   const std::unique_ptr<LinearOperator> multiplied =

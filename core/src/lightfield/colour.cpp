@@ -84,6 +84,28 @@ ColourChannels colour_channels(const Scene& scene) {
   return {};
 }
 
+ColourChannels display_colours(const LightField& light_field, const Scene& scene) {
+  if (light_field.unit == "e-")
+    throw InputError(
+        "the light field holds electrons; make the colour picture from the light field in W");
+  ColourChannels colours;
+  const char* const responses[] = {"cie_x", "cie_y", "cie_z"};
+  for (std::size_t c = 0; c < scene.channels.size() && c < light_field.channels.size(); ++c)
+    for (std::size_t k = 0; k < 3; ++k)
+      if (scene.channels[c].kind == ChannelKind::named &&
+          scene.channels[c].response == responses[k])
+        colours.names[k] = light_field.channels[c].name;
+  colours.is_xyz = std::ranges::none_of(colours.names, &std::string::empty);
+  if (colours.is_xyz) return colours;
+  if (light_field.channels.size() < 3)
+    throw InputError(
+        "a colour picture needs channels with the responses cie_x, cie_y and cie_z, or three "
+        "channels as red, green and blue; the light field has " +
+        std::to_string(light_field.channels.size()));
+  for (std::size_t k = 0; k < 3; ++k) colours.names[k] = light_field.channels[k].name;
+  return colours;
+}
+
 LightField colour_field(const LightField& light_field, const ColourChannels& colours) {
   std::array<const Image*, 3> images{};
   for (std::size_t c = 0; c < 3; ++c) images[c] = &find_channel(light_field, colours.names[c]).flux;

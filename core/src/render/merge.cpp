@@ -59,7 +59,8 @@ LightField make_mosaic(const std::vector<std::vector<MergePiece>>& windows,
   if (!single) all.texts.erase("frame.run");
   for (const auto& parts : windows)
     for (const MergePiece& piece : parts) {
-      const LightField part = read_light_field(piece.path, stop);
+      const LightField file = piece.field ? LightField() : read_light_field(piece.path, stop);
+      const LightField& part = piece.field ? *piece.field : file;
       const bool has_text = part.texts.contains(kTileSamples);
       differs = differs || part.samples != all.samples || part.texts.contains(kMergedPicture) ||
                 (has_text && piece.part.is_whole());
@@ -181,7 +182,14 @@ void put_energy(LightField& picture) {
 
 LightField merge_light_fields(const std::vector<std::string>& paths, const std::stop_token& stop,
                               MergeCounts* counts) {
-  const MergePlan plan = make_merge_plan(paths);
+  std::vector<MergeInput> files;
+  for (const std::string& path : paths) files.push_back({path, nullptr});
+  return merge_light_fields(files, stop, counts);
+}
+
+LightField merge_light_fields(const std::vector<MergeInput>& pictures, const std::stop_token& stop,
+                              MergeCounts* counts) {
+  const MergePlan plan = make_merge_plan(pictures);
   LightField all;
   Mean mean(plan.window);
   std::string seeds;

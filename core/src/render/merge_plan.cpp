@@ -19,8 +19,19 @@ namespace {
 
 constexpr std::size_t kMostNamed = 8;  ///< parts named in one message
 
-MergePiece read_piece(const std::string& path) {
-  MergePiece piece{path, read_light_field_header(path), {}};
+/// The same light field with empty images.
+LightField without_pixels(LightField field) {
+  for (LightFieldChannel& channel : field.channels) channel.flux = channel.standard_error = {};
+  for (auto& [name, image] : field.layers) image = {};
+  return field;
+}
+
+MergePiece read_piece(const MergeInput& picture) {
+  const std::string& path = picture.name;
+  MergePiece piece{path,
+                   picture.field,
+                   picture.field ? without_pixels(*picture.field) : read_light_field_header(path),
+                   {}};
   const LightField& field = piece.header;
   if (field.unit != "W" || field.scene_text.empty() || !field.numbers.contains("render.replicates"))
     throw InputError(path + ": is no picture of plenoflame render");
@@ -206,13 +217,13 @@ PixelWindow whole_of(const std::vector<std::vector<MergePiece>>& pieces) {
 
 }  // namespace
 
-MergePlan make_merge_plan(const std::vector<std::string>& paths) {
-  if (paths.empty()) throw InputError("there is no file to merge");
+MergePlan make_merge_plan(const std::vector<MergeInput>& pictures) {
+  if (pictures.empty()) throw InputError("there is no picture to merge");
   std::vector<MergePiece> pieces;
-  for (const std::string& path : paths) {
-    pieces.push_back(read_piece(path));
-    if (paths.size() > 1 && pieces.back().header.texts.contains(kMergedPicture))
-      throw InputError(path +
+  for (const MergeInput& picture : pictures) {
+    pieces.push_back(read_piece(picture));
+    if (pictures.size() > 1 && pieces.back().header.texts.contains(kMergedPicture))
+      throw InputError(picture.name +
                        ": is merged already; merge the pictures that it is made of, all at once");
   }
   for (const MergePiece& piece : pieces) check_same(pieces.front(), piece);

@@ -6,13 +6,15 @@
 
 #include "plenoflame/base/part.h"
 #include "plenoflame/image/light_field.h"
+#include "plenoflame/render/merge.h"
 
 namespace plenoflame {
 
-/// A file to merge, without its pixels.
+/// A picture to merge.
 struct MergePiece {
   std::string path;
-  LightField header;
+  const LightField* field = nullptr;  ///< nullptr: the file has it
+  LightField header;                  ///< without pixels
   Part part;
 };
 
@@ -25,7 +27,7 @@ struct MergePlan {
   const MergePiece& first() const { return seeds.begin()->second.front().front(); }
 };
 
-/// Reads the headers and checks that the files are complete. @throws as merge_light_fields()
-MergePlan make_merge_plan(const std::vector<std::string>& paths);
+/// Reads the headers and checks that the pictures are complete. @throws as merge_light_fields()
+MergePlan make_merge_plan(const std::vector<MergeInput>& pictures);
 
 }  // namespace plenoflame

@@ -8,7 +8,7 @@ list(APPEND core_sources src/render/estimators/backward.cpp src/render/tracer/pi
   src/render/visibility/scene_beams.cpp src/render/tracer/radiance_table.cpp src/render/estimators/rounds.cpp src/render/estimators/rank_tiles.cpp src/render/serve_render.cpp src/render/run/sample_plan.cpp src/render/run/run_control.cpp src/render/run/run_progress.cpp src/render/estimators/render_request.cpp src/render/visibility/aperture_cone.cpp
   src/render/paths/ground_truth.cpp
   src/render/transport/emission_proposal.cpp src/render/estimators/exposure.cpp src/render/forward/forward.cpp src/render/paths/ray_paths.cpp
-  src/render/paths/ray_path_file.cpp src/render/paths/ray_path_npz.cpp src/render/paths/point_images.cpp src/render/estimators/describe.cpp src/render/paths/ray_path_tracer.cpp
+  src/render/paths/ray_path_file.cpp src/render/paths/ray_path_npz.cpp src/render/paths/point_images.cpp src/render/paths/projections.cpp src/render/estimators/describe.cpp src/render/paths/ray_path_tracer.cpp
   src/render/paths/ray_selection.cpp src/render/paths/ray_path_request.cpp
   src/render/estimators/benchmark.cpp src/render/estimators/benchmark_reference.cpp
   src/render/transport/scene_medium.cpp src/render/transport/medium_segments.cpp src/render/transport/surface_light.cpp

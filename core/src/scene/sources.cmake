@@ -4,6 +4,7 @@ list(APPEND core_sources
   src/scene/compile.cpp
   src/scene/files/file_series.cpp
   src/scene/glass_indices.cpp
+  src/scene/imported_camera.cpp
   src/scene/files/input_files.cpp
   src/scene/files/lens_import.cpp
   src/scene/files/lens_file.cpp

@@ -46,6 +46,19 @@ std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel) {
   return response && channel.photons ? response->of_photons() : response;
 }
 
+std::vector<double> channel_wavelengths(const Scene& scene) {
+  std::vector<double> wavelengths;
+  for (const ChannelSpec& channel : scene.channels) {
+    // A response to photons is normalised at the centroid of the curve itself.
+    ChannelSpec plain = channel;
+    plain.photons = false;
+    const auto response =
+        channel.photons ? spectral_response(plain) : camera_response(scene, channel);
+    wavelengths.push_back(response ? response->centroid() : 0);
+  }
+  return wavelengths;
+}
+
 SourceFunction source_function(const ChannelSpec& channel) {
   if (channel.kind == ChannelKind::total) return SourceFunction::total();
   if (channel.kind == ChannelKind::band && !channel.photons)

@@ -100,10 +100,11 @@ class BoardCornersRun {
     const SensorSpec& sensor = document_.scene.camera.sensor;
     const double full = full_of(arguments_.files, sensor);
     std::optional<CountFrames> dark;
-    if (!arguments_.dark.empty()) dark = read_frames(arguments_.dark, arguments_.files);
+    if (!arguments_.dark.empty()) dark = read_frames(arguments_.dark, arguments_.files, execution);
     Image white;
     if (!arguments_.white.empty())
-      white = bright_part(light_of(read_frames(arguments_.white, arguments_.files), dark, mosaic));
+      white = bright_part(
+          light_of(read_frames(arguments_.white, arguments_.files, execution), dark, mosaic));
     std::string table = "pose,x,y,column,row,q,r\n";
     std::size_t boards = 0, corners = 0;
     nlohmann::json list = nlohmann::json::array();
@@ -111,11 +112,11 @@ class BoardCornersRun {
     std::vector<std::string> without;  // why pictures show no board
     for (std::size_t pose = 0; pose < arguments_.boards.size(); ++pose) {
       const std::string& file = arguments_.boards[pose];
-      const CountFrames frames = read_frames({file}, arguments_.files, full);
+      const CountFrames frames = read_frames({file}, arguments_.files, execution, full);
       if (frames.width != sensor.columns || frames.height != sensor.rows)
         throw InputError(fmt::format("'{}' has {} x {} pixels, the camera's sensor {} x {}", file,
                                      frames.width, frames.height, sensor.columns, sensor.rows));
-      warn_of_full(frames, file, full, sensor);
+      warn_of_full(frames, file, full, sensor, execution);
       const Image light = light_of(frames, dark, mosaic);
       if (!white.empty() && (white.width != light.width || white.height != light.height))
         throw InputError("the white picture has another size than '" + file + "'");

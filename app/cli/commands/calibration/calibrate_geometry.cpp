@@ -22,6 +22,7 @@
 #include "plot.h"
 #include "report.h"
 #include "run.h"
+#include "white_calibration.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -338,7 +339,7 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
 
   for (const CalibratedValue& value : found.values)
     if (value.key.find("array.tilt") != std::string::npos)
-      warn_of_tilt(value.key, value.value, value.error);
+      warn_of_tilt(value.key, value.value, value.error, execution);
   warn_of_outwards(found);
   if (found.radii) warn_of_radii(*found.radii);
   warn_of_focal_length(start.scene.camera.lens.focal_length, found.camera.lens.focal_length);

@@ -1,11 +1,9 @@
 #include "commands/calibration/calibration_options.h"
 
-#include <fmt/format.h>
-
 #include <CLI/CLI.hpp>
-#include <cmath>
 #include <utility>
 
+#include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
 #include "messages.h"
 
@@ -23,7 +21,7 @@ void add_camera_options(CLI::App& command, CalibrationArguments& arguments, cons
 
 void add_shared_options(CLI::App& command, CalibrationArguments& arguments,
                         CalibrationInput input) {
-  if (input == CalibrationInput::pictures) add_raw_file_options(command, arguments.files);
+  if (input == CalibrationInput::pictures) add_settings<RawFileOptions>(command, arguments.files);
   add_set_option(command, arguments.set);
   if (input == CalibrationInput::pictures)
     command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
@@ -42,17 +40,9 @@ void finish_calibration(CLI::App& command, const Registry& registry,
               Execution execution;
               execution.threads = arguments->threads;
               execution.stop = stop;
+              execution.message = [](Severity, const std::string& text) { warn(text); };
               return action(execution);
             });
-}
-
-void warn_of_tilt(const std::string& key, double tilt, double error) {
-  constexpr double kErrors = 5, kUsual = 5e-3;  // [rad] mounts of arrays are better
-  if (!(std::fabs(tilt) > kUsual && std::fabs(tilt) > kErrors * error)) return;
-  warn(fmt::format(
-      "{} is {:.3g} +- {:.2g} mrad, more than arrays are mounted with: a main lens that is shifted "
-      "or tilted, distortion, or micro-images that overlap may look like it",
-      key, 1e3 * tilt, 1e3 * error));
 }
 
 }  // namespace plenoflame::cli

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "commands/calibration/raw_files.h"
 #include "commands/command.h"
 #include "plenoflame/base/execution.h"
+#include "raw_files.h"
 
 namespace plenoflame::cli {
 
@@ -25,9 +25,6 @@ void add_camera_options(CLI::App& command, CalibrationArguments& arguments, cons
 
 /// The kind of RMS that all reports of calibrations have: root mean square of distances in x and y.
 inline constexpr const char* kRmsOfBoth = "RMS of both coordinates together";
-
-/// Warns of an angle that no array is mounted with, beyond its error: something else looks like it.
-void warn_of_tilt(const std::string& key, double tilt, double error);
 
 enum class CalibrationInput { pictures, tables };
 

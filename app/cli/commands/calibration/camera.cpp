@@ -1,6 +1,5 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
 #include <iostream>
 #include <memory>
 
@@ -11,9 +10,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/camera_import.h"
-#include "plenoflame/scene/cameras.h"
-#include "plenoflame/scene/scene_settings.h"
-#include "plenoflame/scene/validate.h"
+#include "plenoflame/scene/imported_camera.h"
 #include "report.h"
 #include "run.h"
 
@@ -25,51 +22,6 @@ struct CameraImportArguments {
   std::string output, format;
   bool json = false;
 };
-
-/// A scene with 0 where --set may give a value of a camera that is still to be found.
-constexpr const char* kNothingYet = R"(
-[camera.lens]
-model = "ideal"
-[camera.array]
-model = "ideal"
-[[camera.array.types]]
-[[camera.array.types]]
-[[camera.array.types]]
-)";
-
-/// --set camera.lens.f_number=N is the diameter once the focal length is known.
-double take_f_number(std::vector<std::string>& values) {
-  constexpr std::string_view kKey = "camera.lens.f_number=";
-  double f_number = 0;
-  std::erase_if(values, [&](const std::string& value) {
-    if (!value.starts_with(kKey)) return false;
-    const std::string text = value.substr(kKey.size());
-    char* end = nullptr;
-    f_number = std::strtod(text.c_str(), &end);
-    if (end == text.c_str() || *end != '\0' || !(f_number > 0) || !std::isfinite(f_number))
-      throw UsageError("--set camera.lens.f_number: a number above 0");
-    return true;
-  });
-  return f_number;
-}
-
-SceneDocument parse_with(const std::string& text, const std::string& name,
-                         const std::vector<std::string>& values) {
-  SceneSettings settings;
-  settings.values = values;
-  settings.option = "--set";
-  try {
-    return parse_scene(text, name, settings);
-  } catch (const InputError& error) {
-    if (error.position().file.starts_with("--set")) throw UsageError(error.what());
-    throw;
-  }
-}
-
-/// The scene of one camera that a file holds beside pictures.
-Scene scene_in_file(const std::string& text, const std::string& path) {
-  return for_camera(parse_embedded_scene(text, path)).scene;
-}
 
 void add_camera_rows(Report& report, const CameraSpec& spec) {
   const Camera camera(spec);
@@ -95,47 +47,21 @@ void add_camera_rows(Report& report, const CameraSpec& spec) {
 
 int run_camera_import(const CameraImportArguments& arguments) {
   check_ending("-o", arguments.output, {".toml"});
-  std::vector<std::string> values = arguments.set;
-  const double f_number = take_f_number(values);
-  CameraSpec given = parse_with(kNothingYet, "camera", values).scene.camera;
-  if (f_number > 0) {
-    // The focal length may stand in a file: a diameter that is certainly replaced.
-    given.lens.diameter = given.lens.focal_length > 0 ? given.lens.focal_length / f_number : 1;
-  }
-  ImportedCamera found = import_camera(arguments.files, given, arguments.format);
-  Scene scene;
-  if (found.scene_text.empty()) {
-    scene.camera = found.camera;
-  } else {
-    const Scene whole = scene_in_file(found.scene_text, arguments.files.front());
-    scene.camera = whole.camera;
-    scene.channels = whole.channels;
-  }
-  if (f_number > 0) scene.camera.lens.diameter = scene.camera.lens.focal_length / f_number;
-  // Every other key that was given replaces what was found; several types that were not are none.
-  std::erase_if(values, [](const std::string& value) {
-    return value.starts_with("camera.focus.object_distance=");
-  });
-  scene = parse_with(write_scene(scene), "camera", values).scene;
-  std::vector<std::string> warnings;
-  try {
-    for (const SceneIssue& issue : validate({scene, {}}))
-      if (issue.code != IssueCode::no_flame) warnings.push_back(to_string(issue));
-  } catch (const InputError& error) {
-    throw InputError(SourcePosition{arguments.files.front()},
-                     "the camera that it describes cannot be: " + std::string(error.what()));
-  }
+  SceneSettings settings;
+  settings.values = arguments.set;
+  settings.option = "--set";
+  const ImportedScene found = import_camera_scene(arguments.files, settings, arguments.format);
   Report report;
   report.add("camera", arguments.output, "camera", arguments.output);
   std::string formats;
   for (const std::string& format : found.formats) formats += (formats.empty() ? "" : ", ") + format;
   report.add("read as", formats, "formats", found.formats);
-  add_camera_rows(report, scene.camera);
+  add_camera_rows(report, found.scene.camera);
   for (const std::string& note : found.notes) report.add_text("note", note);
-  for (const std::string& warning : warnings) report.add_text("warning", warning);
+  for (const std::string& warning : found.warnings) report.add_text("warning", warning);
   report.add_json("notes", found.notes);
-  report.add_json("warnings", warnings);
-  write_scene_file(arguments.output, scene);
+  report.add_json("warnings", found.warnings);
+  write_scene_file(arguments.output, found.scene);
   report.print(arguments.json);
   return kSuccess;
 }

@@ -71,9 +71,6 @@ int run_develop(const DevelopArguments& settings) {
   const LightField light_field = read_light_field(settings.input);
   if (frames)
     return develop_sensor(settings, output, light_field, needed_scene(settings, light_field));
-  if (settings.colour && light_field.unit == "e-")
-    throw InputError(
-        "the light field holds electrons; make the colour picture from the light field in W");
   if (settings.colour)
     return develop_colour(light_field, needed_scene(settings, light_field),
                           effective_spec(settings, scene_spec(settings, light_field)).saturation,

@@ -44,7 +44,4 @@ struct DevelopArguments {
 int develop_sensor(const DevelopArguments& settings, const std::string& output,
                    const LightField& light_field, const Scene& scene);
 
-/// Wavelengths [m] of the photons of the scene's channels; 0: all.
-std::vector<double> channel_wavelengths(const Scene& scene);
-
 }  // namespace plenoflame::cli

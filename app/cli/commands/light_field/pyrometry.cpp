@@ -1,20 +1,14 @@
-#include "plenoflame/lightfield/pyrometry.h"
+#include "plenoflame/measure/temperatures.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <memory>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "choice.h"
 #include "commands/commands.h"
-#include "commands/light_field/develop_sensor.h"
 #include "commands/light_field/pyrometry_compare.h"
-#include "commands/light_field/pyrometry_light.h"
-#include "commands/light_field/pyrometry_pupil.h"
 #include "commands/light_field/temperature_picture.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
@@ -23,10 +17,6 @@
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
-#include "plenoflame/lightfield/micro_images.h"
-#include "plenoflame/lightfield/pixel_bins.h"
-#include "plenoflame/lightfield/sensor.h"
-#include "plenoflame/scene/spectral.h"
 #include "report.h"
 #include "run.h"
 
@@ -41,60 +31,21 @@ struct PyrometryArguments {
   bool json = false;
 };
 
-/// The law that the option or else the scene's flames say.
-AbsorptionSpectrum law_of(const PyrometryArguments& settings, const Scene& scene,
-                          std::string& name) {
-  if (settings.law == "grey" || (settings.law.empty() && scene.flames.empty())) {
-    name = "grey";
-    return {};
-  }
-  if (settings.law == "power") {
-    name = "(1/wavelength)^" + readable_number(settings.exponent);
-    return AbsorptionSpectrum::power(650e-9, settings.exponent);
-  }
-  if (settings.law == "soot") {
-    name = "soot, 1/wavelength";
-    return AbsorptionSpectrum::soot(650e-9, SootIndex::constant, 0.26);
-  }
-  name = "as the scene's flames";
-  for (const FlameSpec& flame : scene.flames)
-    if (!(flame.spectrum == scene.flames.front().spectrum))
-      throw UsageError(
-          "--law: the scene's flames have different spectra; choose grey, soot or power");
-  const AbsorptionSpectrum law = absorption_spectrum(scene.flames.front().spectrum);
-  if (law.is_grey()) name = "grey, as the scene's flames";
-  return law;
-}
-
-std::size_t index_of(const LightField& field, const std::string& name) {
-  const LightFieldChannel& channel = find_channel(field, name);
-  return static_cast<std::size_t>(&channel - field.channels.data());
-}
-
-/// The pixels that are taken together by --bin; nothing: each alone.
-std::optional<PixelBins> bins_of(const PyrometryArguments& settings, const LightField& field,
-                                 const Scene& scene) {
-  if (settings.bin.empty()) return std::nullopt;
-  if (settings.bin != "micro-image" && settings.bin != "view")
-    return block_bins(field.window, whole_number_option("--bin", settings.bin, 1, 65536));
-  const SensorSpec& sensor = scene.camera.sensor;
-  if (!scene.camera.array.present)
-    throw UsageError("--bin: the camera has no microlens array; take blocks, like --bin 4");
-  if (sensor.columns != field.sensor_width || sensor.rows != field.sensor_height)
-    throw InputError(settings.input +
-                     " is not a raw image of its scene's camera: the sensors differ");
-  return micro_image_bins(MicroImages(Camera(scene.camera), false), field.window,
-                          settings.bin == "view" ? settings.cells : 1);
-}
-
-/// The relative error that the scales of two channels (calibrate radiometry) bring into their
-/// ratio; 0: nothing is known.
-double scale_error_of_ratio(const LightField& field, std::size_t a, std::size_t b) {
-  const auto error_of = [&](std::size_t channel) {
-    const auto found = field.numbers.find("scale.error." + field.channels[channel].name);
-    return found == field.numbers.end() ? 0.0 : found->second;
-  };
-  return std::hypot(error_of(a), error_of(b));
+TemperatureRequest request_of(const PyrometryArguments& settings) {
+  TemperatureRequest request;
+  request.channels = settings.channels;
+  request.filters = settings.filters;
+  request.law = settings.law;
+  request.exponent = settings.exponent;
+  request.pixels.threshold = settings.threshold;
+  request.pixels.least_signal_to_noise = settings.least_signal;
+  if (settings.bin == "micro-image")
+    request.cells = 1;
+  else if (settings.bin == "view")
+    request.cells = settings.cells;
+  else if (!settings.bin.empty())
+    request.block = whole_number_option("--bin", settings.bin, 1, 65536);
+  return request;
 }
 
 /// The temperatures of the darkest and the brightest colour.
@@ -123,110 +74,75 @@ void add_temperatures(const TemperatureMap& map, Report& report) {
              "deviation_K", map.deviation);
 }
 
-/// The two colours are those of filters over parts of the stop, in one channel.
-int run_with_filters(const PyrometryArguments& settings, const LightField& field,
-                     const Scene& scene) {
-  if (settings.filters.size() != 2)
-    throw UsageError("--filters needs two names, separated by a comma");
-  if (settings.channels.size() > 1)
-    throw UsageError("--filters uses one channel; give --channels one name");
-  if (!settings.bin.empty())
-    throw UsageError(
-        "--bin cannot be used with --filters, which adds up the light of each microlens");
-  if (!settings.truth.empty())
-    throw UsageError("--truth-picture cannot be used with --filters, whose pixels are microlenses");
-  if (!settings.reference.empty())
-    throw UsageError("--reference cannot be used with --filters, whose pixels are microlenses");
-  const std::size_t channel =
-      settings.channels.empty() ? 0 : index_of(field, settings.channels.front());
-  std::string law_name;
-  const AbsorptionSpectrum law = law_of(settings, scene, law_name);
-  PyrometrySettings how;
-  how.threshold = settings.threshold;
-  how.least_signal_to_noise = settings.least_signal;
-  PupilPyrometry found =
-      pupil_pyrometry(field, scene, channel, {settings.filters[0], settings.filters[1]}, law, how);
+/// The lines about pixels that have no part in a temperature.
+void add_left_out(const LeftOutPixels& left_out, Report& report) {
+  if (left_out.saturated > 0)
+    report.add_text("left out", std::to_string(left_out.saturated) + " pixels whose well was full");
+  if (left_out.defective > 0)
+    report.add_text("left out", std::to_string(left_out.defective) + " defective pixels");
+  report.add_json("saturated", left_out.saturated);
+  report.add_json("defective", left_out.defective);
+}
+
+/// Adds the results, apart from comparisons.
+void add_found(const PyrometryArguments& settings, const LightField& field,
+               const Temperatures& found, Report& report) {
+  const bool filters = !settings.filters.empty();
+  const std::string& first = field.channels[found.channels[0]].name;
+  const std::string& second = field.channels[found.channels[1]].name;
   const TemperatureMap& map = found.map;
-  const auto [low, high] = range_of(settings, map);
-  FileSet files;
-  if (!settings.output.empty()) {
-    found.picture.texts["pyrometry.law"] = law_name;
-    files.write(settings.output,
-                [&](const std::string& name) { write_light_field(name, found.picture); });
+  if (filters) {
+    report.add("channel", first, "channel", first);
+    report.add("filters", settings.filters[0] + " / " + settings.filters[1], "filters",
+               {settings.filters[0], settings.filters[1]});
+    const auto [one, other] = found.filter_pixels;
+    report.add("pixels of a microlens", readable_number(one) + " and " + readable_number(other),
+               "pixels_of_a_microlens", {one, other});
+  } else {
+    report.add("channels", first + " / " + second, "channels", {first, second});
   }
-  if (!settings.picture.empty())
-    files.write(settings.picture, [&, low = low, high = high](const std::string& name) {
-      write_temperature_picture(name, map.temperature, low, high);
-    });
-  files.commit();
-  Report report;
-  report.add("channel", field.channels[channel].name, "channel", field.channels[channel].name);
-  report.add("filters", settings.filters[0] + " / " + settings.filters[1], "filters",
-             {settings.filters[0], settings.filters[1]});
-  report.add("pixels of a microlens",
-             readable_number(found.pixels[0]) + " and " + readable_number(found.pixels[1]),
-             "pixels_of_a_microlens", {found.pixels[0], found.pixels[1]});
-  report.add("law", law_name, "law", law_name);
-  report.add("microlenses", std::to_string(map.pixels), "microlenses", map.pixels);
-  add_left_out(found.left_out, report);
+  report.add("law", found.law, "law", found.law);
+  report.add(filters ? "microlenses" : "pixels", std::to_string(map.pixels),
+             filters ? "microlenses" : "pixels", map.pixels);
+  if (found.bins) report.add("bins", std::to_string(map.bins), "bins", map.bins);
   add_temperatures(map, report);
+  add_left_out(found.left_out, report);
   if (map.expected_deviation > 0)
     report.add("expected of noise", readable(map.expected_deviation, Dimension::temperature),
                "expected_deviation_K", map.expected_deviation);
-  report.print(settings.json);
-  return kSuccess;
+  if (found.scale_error > 0)
+    report.add("of the counts' scales",
+               readable(found.scale_error, Dimension::temperature) + ", common to all pixels",
+               "scale_error_K", found.scale_error);
 }
 
-int run_pyrometry(const PyrometryArguments& settings) {
+void check_files(const PyrometryArguments& settings) {
   for (const std::string& path : {settings.output, settings.picture, settings.truth})
     if (!path.empty()) check_writable(path);
   if (!settings.output.empty()) check_ending("--output", settings.output, {".exr"});
   if (!settings.picture.empty()) check_ending("--picture", settings.picture, {".png"});
   if (!settings.truth.empty()) check_ending("--truth-picture", settings.truth, {".png"});
-  if (settings.filters.empty() && !settings.channels.empty() && settings.channels.size() != 2)
-    throw UsageError("--channels needs two names, separated by a comma");
+  if (settings.filters.empty()) return;
+  for (const char* option : {settings.truth.empty() ? "" : "--truth-picture",
+                             settings.reference.empty() ? "" : "--reference"})
+    if (*option != '\0')
+      throw UsageError(std::string(option) +
+                       " cannot be used with --filters, whose pixels are microlenses");
+}
+
+int run_pyrometry(const PyrometryArguments& settings) {
+  check_files(settings);
   const LightField field = read_light_field(settings.input);
   if (field.scene_text.empty())
     throw InputError(settings.input + " holds no scene, so its channels are not known");
   const Scene scene = read_scene_of(field, settings.input, settings.set).scene;
-  if (!settings.filters.empty()) return run_with_filters(settings, field, scene);
-  if (field.channels.size() < 2 || scene.channels.size() < field.channels.size())
-    throw InputError("two-colour pyrometry needs a light field with at least two channels");
-  std::size_t a = 0, b = 1;
-  if (!settings.channels.empty()) {
-    a = index_of(field, settings.channels[0]);
-    b = index_of(field, settings.channels[1]);
-  }
-  const auto first = camera_response(scene, scene.channels[a]);
-  const auto second = camera_response(scene, scene.channels[b]);
-  if (!first || !second)
-    throw InputError(
-        "a channel of all wavelengths has no colour; choose two others with "
-        "--channels");
-  std::string law_name;
-  const AbsorptionSpectrum law = law_of(settings, scene, law_name);
-  const TwoColour two(*first, *second, law);
-  PyrometrySettings how;
-  how.threshold = settings.threshold;
-  how.least_signal_to_noise = settings.least_signal;
-  LightFieldChannel light[2] = {light_in_proportion(field, scene, a),
-                                light_in_proportion(field, scene, b)};
-  const LeftOutPixels left_out =
-      leave_out_bad_pixels(field, scene.camera.sensor.mosaic, a, b, light);
-  const std::optional<PixelBins> bins = bins_of(settings, field, scene);
-  const TemperatureMap map = two_colour_map(light[0], light[1], two, how, bins ? &*bins : nullptr);
+  const Temperatures found = find_temperatures(field, scene, request_of(settings));
+  const TemperatureMap& map = found.map;
   const auto [low, high] = range_of(settings, map);
   FileSet files;
-  if (!settings.output.empty()) {
-    LightField out = field;
-    out.channels = {{"temperature", map.temperature, map.standard_error}};
-    std::erase_if(out.layers, [](const auto& layer) { return !layer.first.starts_with("truth."); });
-    out.unit = "K";
-    if (!settings.bin.empty()) out.texts["pyrometry.bin"] = settings.bin;
-    out.texts["pyrometry.law"] = law_name;
-    out.texts["pyrometry.channels"] = field.channels[a].name + "," + field.channels[b].name;
-    files.write(settings.output, [&](const std::string& name) { write_light_field(name, out); });
-  }
+  if (!settings.output.empty())
+    files.write(settings.output,
+                [&](const std::string& name) { write_light_field(name, found.picture); });
   const auto write_picture = [&, low = low, high = high](const std::string& path,
                                                          const Image& temperature) {
     files.write(path, [&](const std::string& name) {
@@ -246,26 +162,11 @@ int run_pyrometry(const PyrometryArguments& settings) {
   }
   files.commit();
   Report report;
-  report.add("channels", field.channels[a].name + " / " + field.channels[b].name, "channels",
-             {field.channels[a].name, field.channels[b].name});
-  report.add("law", law_name, "law", law_name);
-  report.add("pixels", std::to_string(map.pixels), "pixels", map.pixels);
-  if (bins) report.add("bins", std::to_string(map.bins), "bins", map.bins);
-  add_temperatures(map, report);
-  add_left_out(left_out, report);
-  if (map.expected_deviation > 0)
-    report.add("expected of noise", readable(map.expected_deviation, Dimension::temperature),
-               "expected_deviation_K", map.expected_deviation);
-  if (const double scale = scale_error_of_ratio(field, a, b); scale > 0) {
-    const double kelvin = scale / std::fabs(two.slope(map.mean));
-    report.add("of the counts' scales",
-               readable(kelvin, Dimension::temperature) + ", common to all pixels", "scale_error_K",
-               kelvin);
-  }
-  if (truth != field.layers.end()) compare_with(truth->second, map, light[0].flux, bins, report);
+  add_found(settings, field, found, report);
+  if (found.ratio && truth != field.layers.end())
+    compare_with(truth->second, map, found.light[0].flux, found.bins, report);
   if (!settings.reference.empty())
-    compare_with_reference(settings.reference, {field, scene, {a, b}, two}, light, map, bins,
-                           report);
+    compare_with_reference(settings.reference, {field, scene, found}, report);
   report.print(settings.json);
   return kSuccess;
 }

@@ -1,10 +1,11 @@
 #include "commands/light_field/pyrometry_compare.h"
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <vector>
 
-#include "commands/light_field/pyrometry_light.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
 
@@ -52,16 +53,19 @@ void compare_with(const Image& truth, const TemperatureMap& map, const Image& li
   report.add_json("rms_difference_K", std::sqrt(squares / n));
 }
 
-void compare_with_reference(const std::string& path, const TwoColourInput& input,
-                            const LightFieldChannel (&light)[2], const TemperatureMap& map,
-                            const std::optional<PixelBins>& bins, Report& report) {
+void compare_with_reference(const std::string& path, const FoundTemperatures& input,
+                            Report& report) {
+  const Temperatures& found = input.temperatures;
+  const TemperatureMap& map = found.map;
+  const std::array<LightFieldChannel, 2>& light = found.light;
+  const std::optional<PixelBins>& bins = found.bins;
   const LightField other = read_light_field(path);
   if (!(other.window == input.field.window) || other.sensor_width != input.field.sensor_width ||
       other.sensor_height != input.field.sensor_height)
     throw InputError("--reference: " + path + " does not hold the same pixels");
   LightFieldChannel clear[2];
   for (std::size_t c = 0; c < 2; ++c) {
-    const std::string& name = input.field.channels[input.channels[c]].name;
+    const std::string& name = input.field.channels[found.channels[c]].name;
     clear[c] = light_in_proportion(other, input.scene, place_of(other, name, path));
     for (std::size_t i = 0; i < clear[c].flux.pixels.size(); ++i)
       if (!std::isfinite(light[0].flux.pixels[i]) || !std::isfinite(light[1].flux.pixels[i]))
@@ -71,7 +75,7 @@ void compare_with_reference(const std::string& path, const TwoColourInput& input
   every.threshold = 1e-9;  // all that has light
   every.least_signal_to_noise = 0;
   const TemperatureMap expected =
-      two_colour_map(clear[0], clear[1], input.law, every, bins ? &*bins : nullptr);
+      two_colour_map(clear[0], clear[1], *found.ratio, every, bins ? &*bins : nullptr);
   std::vector<char> seen(bins ? bins->count : 0, 0);
   double sum = 0, squares = 0, variances = 0, n = 0;
   for (std::size_t i = 0; i < map.temperature.pixels.size(); ++i) {

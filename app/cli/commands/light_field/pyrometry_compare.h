@@ -1,10 +1,8 @@
 #pragma once
-#include <array>
-#include <cstddef>
 #include <optional>
 #include <string>
 
-#include "plenoflame/lightfield/pyrometry.h"
+#include "plenoflame/measure/temperatures.h"
 #include "plenoflame/scene/scene.h"
 #include "report.h"
 
@@ -16,20 +14,17 @@ namespace plenoflame::cli {
 void compare_with(const Image& truth, const TemperatureMap& map, const Image& light,
                   const std::optional<PixelBins>& bins, Report& report);
 
-/// The input of a two-colour temperature.
-struct TwoColourInput {
+/// Temperatures, and what they were found from.
+struct FoundTemperatures {
   const LightField& field;
   const Scene& scene;
-  std::array<std::size_t, 2> channels;
-  const TwoColour& law;
+  const Temperatures& temperatures;
 };
 
 /// Reports the differences from the temperatures of the same bins in a reference, and compares them
 /// with the noise. The reference is a light field of the same pixels with less noise or none.
-/// @param light of both channels; pixels that are not numbers count in neither
 /// @throws FileError, InputError where the light fields are not of the same pixels and channels
-void compare_with_reference(const std::string& path, const TwoColourInput& input,
-                            const LightFieldChannel (&light)[2], const TemperatureMap& map,
-                            const std::optional<PixelBins>& bins, Report& report);
+void compare_with_reference(const std::string& path, const FoundTemperatures& found,
+                            Report& report);
 
 }  // namespace plenoflame::cli

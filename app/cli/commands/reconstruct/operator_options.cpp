@@ -2,9 +2,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "choice.h"
 #include "commands/part_option.h"
-#include "commands/reconstruct/unknowns_options.h"
+#include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
 #include "outputs.h"
 
@@ -28,21 +27,8 @@ void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
   command.add_option("--places", arguments.places, "Place and volume of each unknown [m, m^3]")
       ->check(written())
       ->option_text("FILE.csv");
-  add_unknowns_options(command, arguments.unknowns);
-  command
-      .add_option("--channel", arguments.channel,
-                  "Channel of the rays' wavelengths; without it, the first")
-      ->option_text("NAME");
-  command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
-      ->option_text("N");
-  add_rows_options(command, arguments.bin, arguments.cells);
-  command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's)")
-      ->option_text("N");
-  command
-      .add_option("--form", arguments.form,
-                  "rays: kept in memory; drawn: a part at a time; auto: kept if they fit (auto)")
-      ->check(one_of({"auto", "rays", "drawn"}))
-      ->option_text("FORM");
+  add_settings<UnknownsRequest>(command, arguments.unknowns);
+  add_settings<OperatorRequest>(command, arguments);
   add_part_option(
       command, arguments.part,
       "Make only the rows of the Kth of N parts, which merge puts together (.npz, .h5)");

@@ -6,126 +6,14 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "choice.h"
-#include "commands/reconstruct/unknowns_options.h"
+#include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
-#include "number_range.h"
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 
 namespace plenoflame::cli {
-namespace {
-
-void add_problem_options(CLI::App& command, ReconstructArguments& arguments) {
-  command
-      .add_option("--find", arguments.find,
-                  "emission; temperature, with known absorption; both: temperature and absorption, "
-                  "from two channels (emission)")
-      ->check(one_of({"emission", "temperature", "both"}))
-      ->option_text("WHAT");
-  add_unknowns_options(command, arguments.unknowns);
-  command
-      .add_option("--channel", arguments.channel,
-                  "Channel that is reconstructed; for both, two or more with commas between (the "
-                  "pictures' first)")
-      ->option_text("NAME");
-  command
-      .add_option("--absorption-error", arguments.absorption_error,
-                  "Relative standard deviation of --absorption, alike everywhere: 0.1 for 10 % (0)")
-      ->check(number_between(0.0, 1.0))
-      ->option_text("SHARE");
-  command
-      .add_option("--absorption-ratios", arguments.ratio,
-                  "For both: absorption of the further channels over that of the first (soot: "
-                  "inverse to the wavelengths)")
-      ->option_text("R[,R]");
-  command
-      .add_option(
-          "--noise", arguments.noise,
-          "Standard deviation added to each pixel's own, as a share of the largest value (0)")
-      ->check(number_between(0.0, 1.0))
-      ->option_text("SHARE");
-  command
-      .add_option("--support", arguments.support,
-                  "Nothing is where this file's first grid is 0 (.vdb)")
-      ->option_text("FILE.vdb");
-  command.add_flag("--all-voxels", arguments.all, "Solve also for places behind dark pixels");
-}
-
-void add_solver_options(CLI::App& command, ReconstructArguments& arguments) {
-  command
-      .add_option("--solver", arguments.solver,
-                  "With a penalty: fista, nnls (few unknowns), cgls or lsqr. Without, stopped by "
-                  "the noise: sirt, sart, mlem, osem, mart (fista)")
-      ->check(one_of(reconstruction_solvers()))
-      ->option_text("NAME");
-  command
-      .add_option("--smoothing", arguments.smoothing,
-                  "Weight of the penalty along each axis of the unknowns, e.g. 3,1,1 where depth "
-                  "is x (1,1,1)")
-      ->option_text("A[,B,C]");
-  command
-      .add_option("--strength", arguments.strength,
-                  "Of the penalty; 0: none; without it, by cross-validation")
-      ->check(number_between(0.0, 1e12))
-      ->option_text("NUMBER");
-  command.add_option("--iterations", arguments.iterations, "At most, of the last solution (300)")
-      ->option_text("N");
-  command.add_option("--subsets", arguments.subsets, "Of the rows, for sart and osem (4)")
-      ->option_text("N");
-  command
-      .add_option("--relaxation", arguments.relaxation,
-                  "Of sirt (1.9), sart (1) and mart (0.05): above 0, below 2, for mart up to 1")
-      ->check(number_between(0.0, 2.0))
-      ->option_text("NUMBER");
-  command
-      .add_option("--prior", arguments.prior,
-                  "The penalty pulls towards the emission of this earlier result")
-      ->option_text("FILE.vdb");
-  command.add_option("--start", arguments.start, "Begin with this earlier result")
-      ->option_text("FILE.vdb");
-  command
-      .add_option("--resume", arguments.resume,
-                  "Go on from this result of the same command that was stopped, with its strength")
-      ->check(continued())
-      ->option_text("FILE.vdb");
-}
-
-void add_numbers(CLI::App& command, ReconstructArguments& arguments) {
-  command.add_option("--rays", arguments.rays, "Rays per pixel and microlens that covers it (64)")
-      ->option_text("N");
-  add_rows_options(command, arguments.bin, arguments.cells);
-  command.add_option("--draws", arguments.draws, "Draws for the standard deviations; 0: none (30)")
-      ->option_text("N");
-  command
-      .add_option("--probes", arguments.probes, "Random vectors for what is resolved; 0: none (16)")
-      ->option_text("N");
-  command
-      .add_option("--spread", arguments.spreads,
-                  "Tell how wide a point at this place becomes; repeatable")
-      ->option_text("X,Y,Z");
-  command
-      .add_option("--refine", arguments.refine,
-                  "Correct what the pictures say is wrong: exposure, pose (place and turn about "
-                  "the line of sight), focus, axis (of rings)")
-      ->option_text("WHAT[,...]");
-  command
-      .add_option("--refined", arguments.refined_scenes, "Scenes with the refined cameras (.toml)")
-      ->check(written())
-      ->option_text("FILE.toml ...");
-  command.add_option("--memory", arguments.memory, "Most memory of the matrix [MB] (2000)")
-      ->option_text("N");
-  command
-      .add_option("--form", arguments.form,
-                  "Kept in memory: matrix; rays, followed in each iteration; drawn: nothing, each "
-                  "iteration draws the rays again; auto: the first that fits (auto)")
-      ->check(one_of({"auto", "matrix", "rays", "drawn"}))
-      ->option_text("FORM");
-}
-
-}  // namespace
 
 void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
   command
@@ -146,9 +34,13 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
       ->check(written())
       ->required()
       ->option_text("FILE.vdb");
-  add_problem_options(command, arguments);
-  add_solver_options(command, arguments);
-  add_numbers(command, arguments);
+  add_settings<UnknownsRequest>(command, arguments.unknowns);
+  add_settings<ReconstructRequest>(command, arguments);
+  command.get_option("--resume")->check(continued());
+  command
+      .add_option("--refined", arguments.refined_scenes, "Scenes with the refined cameras (.toml)")
+      ->check(written())
+      ->option_text("FILE.toml ...");
   command
       .add_option("--residual", arguments.residuals,
                   "Residual of each picture, and the light that the flame explains, as layers")
@@ -160,11 +52,8 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
           "Report with the history: .json, .txt, or .html with pictures and plots; repeatable")
       ->check(written())
       ->option_text("FILE");
-  command.add_flag("--truth", arguments.truth, "Compare with the first scene's flames");
   command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_option("--seed", arguments.seed, "Seed of the rays (default: the scene's + 1000)")
       ->option_text("N");
   command.add_flag("--quiet", arguments.quiet, "No progress on the terminal");
   command.add_flag("--json", arguments.json, "Print the figures as JSON");

@@ -3,10 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <limits>
-#include <map>
 #include <memory>
-#include <optional>
-#include <utility>
 
 #include "commands/commands.h"
 #include "commands/scene_input.h"
@@ -15,10 +12,9 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/base/progress_share.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/lightfield/ground_truth.h"
-#include "plenoflame/render/point_images.h"
+#include "plenoflame/render/projections.h"
 #include "progress_bar.h"
 #include "report.h"
 #include "run.h"
@@ -42,63 +38,22 @@ std::vector<Vec3> read_points(const std::string& path) {
   return points;
 }
 
-/// The two images of a point through one microlens: of the ray through its middle, and of all
-/// light.
-struct Projection {
-  int type = 0;
-  std::optional<Vec2> chief;
-  std::optional<PointImage> light;
-};
-
-using Projections = std::map<std::pair<int, int>, Projection>;  ///< by r, then q
-
-Projections projections_of(const Camera& camera, Vec3 point, int rays, const Execution& execution) {
-  Projections projections;
-  for (const PointTruth& image : project_point(camera, point, execution)) {
-    Projection& projection = projections[{image.lens.r, image.lens.q}];
-    projection.type = image.type;
-    projection.chief = image.pixel;
-  }
-  for (const PointImage& image : point_images(camera, point, rays)) {
-    Projection& projection = projections[{image.lens.r, image.lens.q}];
-    projection.type = std::max(0, image.type);
-    projection.light = image;
-  }
-  return projections;
-}
-
-struct ProjectionCounts {
-  std::size_t images = 0, in_part = 0;
-};
-
-std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points, int rays,
-                           const Execution& execution, ProjectionCounts& counts) {
+std::string projection_csv(const Camera& camera, const std::vector<Vec3>& points,
+                           const std::vector<PointProjection>& projections) {
   std::string text = "point,x,y,z,q,r,type,column,row,centroid_column,centroid_row,spread,share\n";
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const auto& types = camera.spec().array.types;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!(camera.to_world().inverse().point(points[i]).z > 0))
-      throw InputError(fmt::format("point {} at {}, {}, {} m is not in front of the camera", i,
-                                   points[i].x, points[i].y, points[i].z));
-    Execution own = execution;
-    own.progress = [&](Progress progress) {
-      progress.fraction =
-          (static_cast<double>(i) + progress.fraction) / static_cast<double>(points.size());
-      execution.progress(progress);
-    };
-    for (const auto& [lens, image] : projections_of(camera, points[i], rays, own)) {
-      ++counts.images;
-      counts.in_part += !image.chief;
-      text += fmt::format(
-          "{},{},{},{},{},{},{}", i, points[i].x, points[i].y, points[i].z, lens.second, lens.first,
-          types.empty() ? std::string("none") : types[static_cast<std::size_t>(image.type)].name);
-      const Vec2 chief = image.chief.value_or(Vec2{kNone, kNone});
-      const PointImage light = image.light.value_or(PointImage{{}, -1, kNone, kNone, kNone, 0});
-      for (const double value :
-           {chief.x, chief.y, light.column, light.row, light.spread, light.share})
-        text += fmt::format(",{:.10g}", value);
-      text += '\n';
-    }
+  for (const PointProjection& image : projections) {
+    const Vec3 point = points[image.point];
+    text += fmt::format(
+        "{},{},{},{},{},{},{}", image.point, point.x, point.y, point.z, image.lens.q, image.lens.r,
+        types.empty() ? std::string("none") : types[static_cast<std::size_t>(image.type)].name);
+    const Vec2 chief = image.chief.value_or(Vec2{kNone, kNone});
+    const PointImage light = image.light.value_or(PointImage{{}, -1, kNone, kNone, kNone, 0});
+    for (const double value :
+         {chief.x, chief.y, light.column, light.row, light.spread, light.share})
+      text += fmt::format(",{:.10g}", value);
+    text += '\n';
   }
   return text;
 }
@@ -128,15 +83,19 @@ int run_truth(const TruthArguments& settings, const std::stop_token& stop) {
   Report report;
   FileSet files;
   if (!settings.projections.empty()) {
-    ProjectionCounts counts;
     const auto points = read_points(settings.points);
-    const std::string csv = projection_csv(camera, points, rays, execution, counts);
+    const std::vector<PointProjection> projections =
+        project_points(camera, points, rays, execution);
+    const std::string csv = projection_csv(camera, points, projections);
+    const auto in_part = std::ranges::count_if(
+        projections, [](const PointProjection& image) { return !image.chief; });
     files.write(settings.projections, [&](const std::string& name) { write_file(name, csv); });
     report.add("points", std::to_string(points.size()), "points", points.size());
-    report.add("images of them", std::to_string(counts.images), "point_images", counts.images);
+    report.add("images of them", std::to_string(projections.size()), "point_images",
+               projections.size());
     report.add("through part of a lens",
-               std::to_string(counts.in_part) + ": without the ray through its middle",
-               "point_images_in_part", counts.in_part);
+               std::to_string(in_part) + ": without the ray through its middle",
+               "point_images_in_part", in_part);
   }
   if (settings.output.empty() && settings.attach.empty() && settings.chief.empty()) {
     bar.finish();

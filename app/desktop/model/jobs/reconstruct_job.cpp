@@ -190,7 +190,7 @@ void ReconstructJob::run(const std::shared_ptr<Run>& run, const std::stop_token&
     });
   };
   try {
-    auto task = std::make_shared<ReconstructionTask>();
+    auto task = std::make_shared<ReconstructionTask>(SettingNames::Style::words);
     for (const auto& [name, text] : run->options) task->set_option(name, text);
     for (const ReconstructSource& source : run->sources) {
       say(tr("reading camera and picture: %1").arg(QString::fromStdString(source.what)));

@@ -25,9 +25,6 @@ struct CountFrames {
   }
 };
 
-/// State of a pixel of an imported picture (layer "sensor.state").
-enum class PixelState : std::uint8_t { good = 0, defective = 1, saturated = 2 };
-
 /// Adds frame after frame; memory holds sums, not frames.
 class FrameSums {
  public:

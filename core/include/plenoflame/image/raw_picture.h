@@ -7,6 +7,9 @@
 
 namespace plenoflame {
 
+/// State of a pixel of an imported picture (layer "sensor.state").
+enum class PixelState : std::uint8_t { good = 0, defective = 1, saturated = 2 };
+
 /// Contents of a camera's file: whole numbers, row by row from the top left, channels interleaved.
 struct RawPicture {
   int width = 0;

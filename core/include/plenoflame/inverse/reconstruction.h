@@ -10,6 +10,7 @@
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/inverse/csr_matrix.h"
 #include "plenoflame/inverse/measurement.h"
 #include "plenoflame/inverse/posterior_chain.h"
 #include "plenoflame/inverse/row_noise.h"
@@ -81,6 +82,12 @@ struct ReconstructionSettings {
   std::function<void(const ReconstructionState&)> watch = {};
 };
 
+/// The rows of a linear problem that were made before: rays, and their matrix where it is stored.
+struct BuiltRows {
+  const CameraRays* rays = nullptr;          ///< nullptr: there are none
+  const CsrMatrix<float>* matrix = nullptr;  ///< nullptr: rays are followed in each iteration
+};
+
 struct ReconstructionInput {
   std::vector<CameraView> views;
   std::vector<Measurement> measurements;  ///< one for each view
@@ -94,6 +101,9 @@ struct ReconstructionInput {
   std::vector<Vec3> spread_at = {};  ///< places whose point spreads are computed
   /// Parts of each view's stop that count: rows that see others as well are left out. Empty: all.
   std::vector<std::vector<char>> parts = {};
+  /// Made for these views, unknowns, absorption and rays of the settings; they must outlive the
+  /// call.
+  BuiltRows built = {};
 };
 
 /// The image of a single unknown in the reconstruction.
@@ -187,6 +197,7 @@ void require_vector_memory(const ReconstructionSettings& settings, const Unknown
 
 /// @throws InputError: no ray of any camera meets the unknowns, nothing was measured there, a
 ///         start, prior or support of another size
+/// @throws InputError: rows that were built for other pictures or unknowns
 /// @throws InputError: a solver or form that needs the stored matrix, which does not fit into
 ///         memory
 /// @throws Cancelled when a stop came before there was any solution

@@ -34,6 +34,11 @@ struct ColourChannels {
 /// red, green, blue or R, G, B. Other channels are not used as colours.
 ColourChannels colour_channels(const Scene& scene);
 
+/// The channels of a colour picture for display. They are those with the responses cie_x, cie_y and
+/// cie_z. Without them the first three are red, green and blue.
+/// @param scene of the light field @throws InputError: there are fewer, or it holds electrons
+ColourChannels display_colours(const LightField& light_field, const Scene& scene);
+
 /// A light field with the three channels red, green and blue, in linear sRGB or as they are. Layers
 /// stay, standard errors do not.
 /// @throws InputError for a channel that is missing

@@ -27,6 +27,10 @@ struct RegularLattice {
   Vec3 place(std::size_t sample) const;  ///< world
 };
 
+/// The lattice whose cells fill a box along the world's axes, a sample in the middle of each.
+/// @param centre, size of the box [m] @param count of samples along each axis, at least 1
+RegularLattice regular_lattice(Vec3 centre, Vec3 size, const std::array<int, 3>& count);
+
 /// The intervals of a ray, in their order along it. Memory is kept from ray to ray.
 class RayIntervals {
  public:

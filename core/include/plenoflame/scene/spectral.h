@@ -25,6 +25,9 @@ std::optional<SpectralResponse> spectral_response(const ChannelSpec& channel);
 std::optional<SpectralResponse> camera_response(const Scene& scene, const ChannelSpec& channel,
                                                 const std::string& pupil_filter = {});
 
+/// Wavelengths [m] of the photons of the scene's channels; 0: all. @throws as camera_response()
+std::vector<double> channel_wavelengths(const Scene& scene);
+
 /// The source function of a channel as a whole. @throws as spectral_response
 SourceFunction source_function(const ChannelSpec& channel);
 

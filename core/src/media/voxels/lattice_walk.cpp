@@ -60,6 +60,15 @@ double value_at(const RayInterval& interval, std::size_t node, std::span<const d
   return sum;
 }
 
+RegularLattice regular_lattice(Vec3 centre, Vec3 size, const std::array<int, 3>& count) {
+  const Vec3 step{size.x / count[0], size.y / count[1], size.z / count[2]};
+  RegularLattice lattice;
+  lattice.count = count;
+  lattice.index_to_world.linear = {{{{step.x, 0, 0}, {0, step.y, 0}, {0, 0, step.z}}}};
+  lattice.index_to_world.translation = centre - 0.5 * (size - step);
+  return lattice;
+}
+
 Vec3 RegularLattice::place(std::size_t sample) const {
   const auto ny = static_cast<std::size_t>(count[1]), nz = static_cast<std::size_t>(count[2]);
   return index_to_world.point({static_cast<double>(sample / (ny * nz)),

@@ -1,14 +1,15 @@
-#include "commands/light_field/pyrometry_light.h"
+#include "plenoflame/measure/two_colour_light.h"
 
 #include <algorithm>
 #include <limits>
 
-#include "commands/light_field/develop_sensor.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/calibration/count_frames.h"
+#include "plenoflame/base/mended_by.h"
+#include "plenoflame/image/raw_picture.h"
 #include "plenoflame/lightfield/sensor.h"
+#include "plenoflame/scene/spectral.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 namespace {
 
 /// Calls look(x, y) for each recorded value that contributed to a colour of a pixel. This is its
@@ -34,12 +35,12 @@ LightFieldChannel light_in_proportion(const LightField& field, const Scene& scen
   if (field.unit != "e-" && !counts) return channel;
   const double dark = counts ? 0 : channel_dark_electrons(field, channel.name);
   const double time = channel_exposure(field, channel.name);
+  if (!(time > 0) && field.texts.contains("import.pictures"))
+    throw mended_by(InputError("the pictures were imported without an exposure time"),
+                    {"exposure-time"});
   if (!(time > 0))
-    throw InputError(
-        field.texts.contains("import.pictures")
-            ? "the pictures were imported without an exposure time (import --exposure-time)"
-            : "the electrons of channel " + channel.name +
-                  " have no exposure time; develop them again");
+    throw InputError("the electrons of channel " + channel.name +
+                     " have no exposure time; develop them again");
   // Any factor that both channels share may stay.
   const double per_electron = 1e-12 / (time * channel_wavelengths(scene)[index]);
   for (float& value : channel.flux.pixels)
@@ -93,13 +94,4 @@ LeftOutPixels leave_out_bad_pixels(const LightField& field, MosaicPattern mosaic
   return count;
 }
 
-void add_left_out(const LeftOutPixels& left_out, Report& report) {
-  if (left_out.saturated > 0)
-    report.add_text("left out", std::to_string(left_out.saturated) + " pixels whose well was full");
-  if (left_out.defective > 0)
-    report.add_text("left out", std::to_string(left_out.defective) + " defective pixels");
-  report.add_json("saturated", left_out.saturated);
-  report.add_json("defective", left_out.defective);
-}
-
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <vector>
 
-namespace plenoflame::cli {
+namespace plenoflame {
 
 /// Numbers of a line of a text file.
 struct NumberRow {
@@ -18,4 +18,4 @@ struct NumberRow {
 std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t count,
                                         std::string_view what);
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

@@ -3,9 +3,8 @@
 
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/scene.h"
-#include "report.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 
 /// A channel in proportion to power, without the dark signal: electrons and counts per exposure
 /// time and wavelength, flux as it is. The factor is the same for all channels of a light field.
@@ -25,7 +24,4 @@ struct LeftOutPixels {
 LeftOutPixels leave_out_bad_pixels(const LightField& field, MosaicPattern mosaic, std::size_t a,
                                    std::size_t b, LightFieldChannel light[2]);
 
-/// The lines of a report about them.
-void add_left_out(const LeftOutPixels& left_out, Report& report);
-
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

@@ -2,12 +2,12 @@
 #include <cstddef>
 #include <string>
 
-#include "commands/light_field/pyrometry_light.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/lightfield/pyrometry.h"
+#include "plenoflame/measure/two_colour_light.h"
 #include "plenoflame/scene/scene.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 
 /// Temperatures from the colours that two filters of the pupil make, and what to write of them.
 struct PupilPyrometry {
@@ -23,4 +23,4 @@ PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std:
                                const std::string (&filters)[2], const AbsorptionSpectrum& law,
                                const PyrometrySettings& settings);
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

@@ -1,4 +1,4 @@
-#include "commands/calibration/import_run.h"
+#include "raw_pictures.h"
 
 #include <fmt/format.h>
 
@@ -9,10 +9,8 @@
 #include <memory>
 #include <optional>
 #include <set>
+#include <span>
 
-#include "commands/light_field/develop_sensor.h"
-#include "commands/scene_input.h"
-#include "messages.h"
 #include "number_rows.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -23,120 +21,20 @@
 #include "plenoflame/lightfield/geometry.h"
 #include "plenoflame/lightfield/sensor.h"
 #include "plenoflame/render/describe.h"
+#include "plenoflame/scene/spectral.h"
+#include "raw_channels.h"
 #include "report.h"
-#include "run.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 namespace {
 
-/// @param greatest in the dimension's SI unit, as in the scene's key
-double positive(const char* option, const std::string& text, Dimension dimension, double greatest) {
-  const double value = quantity_option(option, text, dimension);
-  if (!(value > 0 && value <= greatest))
-    throw UsageError(fmt::format("{}: above 0, at most {:g}{}, not '{}'", option, greatest,
-                                 dimension == Dimension::time ? " s" : "", text));
-  return value;
-}
-
-/// The channel in front of a value, NAME=VALUE; the number of channels: there is none. A file of
-/// that name is a file.
-std::size_t channel_in_front(const std::string& text, const Scene& scene) {
-  const std::size_t sign = text.find('=');
-  if (sign != std::string::npos && !std::filesystem::exists(text))
-    for (std::size_t c = 0; c < scene.channels.size(); ++c)
-      if (scene.channels[c].name == text.substr(0, sign)) return c;
-  return scene.channels.size();
-}
-
-/// The values that are a channel's own, or else the ones with no channel in front.
-/// @param channel empty: pictures that have several channels
-std::vector<std::string> values_of_channel(const char* option,
-                                           const std::vector<std::string>& values,
-                                           const std::string& channel, const Scene& scene) {
-  std::vector<std::string> common, own;
-  for (const std::string& value : values) {
-    const std::size_t c = channel_in_front(value, scene);
-    if (c == scene.channels.size()) {
-      common.push_back(value);
-      continue;
-    }
-    if (channel.empty())
-      throw UsageError(std::string(option) +
-                       ": a channel in front (NAME=...) is for pictures of one channel");
-    if (scene.channels[c].name == channel) own.push_back(value.substr(value.find('=') + 1));
-  }
-  return own.empty() ? common : own;
-}
-
-/// Files of each channel, in the scene's order. Without names in front of the files: the channels
-/// that all pictures have.
-struct ChannelFiles {
-  std::vector<std::string> channels;  ///< empty: as many as the pictures have
-  std::vector<std::string> files;
-};
-
-std::vector<ChannelFiles> channel_files(const ImportArguments& arguments, const Scene& scene) {
-  std::map<std::size_t, ChannelFiles> named;
-  ChannelFiles plain;
-  for (const std::string& raw : arguments.raw) {
-    const std::size_t channel = channel_in_front(raw, scene);
-    if (channel == scene.channels.size()) {
-      plain.files.push_back(raw);
-    } else {
-      named[channel].channels = {scene.channels[channel].name};
-      named[channel].files.push_back(raw.substr(raw.find('=') + 1));
-    }
-  }
-  std::vector<ChannelFiles> all;
-  for (auto& [channel, files] : named) all.push_back(files);
-  if (!plain.files.empty()) {
-    if (!all.empty())
-      throw UsageError("RAW: either all files have their channel in front (NAME=FILE) or none");
-    if (!arguments.channel.empty()) plain.channels = {arguments.channel};
-    all.push_back(plain);
-  } else if (!arguments.channel.empty()) {
-    throw UsageError("--channel: the files have their channels in front");
-  }
-  return all;
-}
-
-/// The scene's number of a channel. @throws InputError that lists them
-std::size_t channel_number(const Scene& scene, const std::string& name) {
-  std::string names;
-  for (std::size_t c = 0; c < scene.channels.size(); ++c) {
-    if (scene.channels[c].name == name) return c;
-    names += (c == 0 ? "" : ", ") + scene.channels[c].name;
-  }
-  throw UsageError("--channel: the camera's file has no channel '" + name + "'; it has " + names);
-}
-
-std::vector<std::string> names_of(const ChannelFiles& files, const CountFrames& frames,
-                                  const Scene& scene, bool mosaic) {
-  const std::size_t wanted = mosaic ? 3 : frames.mean.size();
-  if (!files.channels.empty()) {
-    if (wanted != 1)
-      throw InputError(mosaic ? "a mosaic's picture has three channels; leave --channel out"
-                              : "'" + files.files.front() +
-                                    "' is a picture in colour; leave --channel out");
-    channel_number(scene, files.channels.front());
-    return files.channels;
-  }
-  std::vector<std::string> names;
-  for (const ChannelSpec& channel : scene.channels) names.push_back(channel.name);
-  if (wanted > names.size() || (wanted < names.size() && wanted == 1))
-    throw InputError(
-        fmt::format("'{}' has {} channel{}, the camera's file {}{}", files.files.front(), wanted,
-                    wanted == 1 ? "" : "s", names.size(),
-                    wanted == 1 ? ": say which it is with --channel NAME (or NAME=FILE)" : ""));
-  names.resize(wanted);
-  return names;
-}
-
-std::vector<std::uint8_t> defects_of(const ImportArguments& arguments, const CountFrames& raw,
-                                     const CountFrames* dark) {
+std::vector<std::uint8_t> defects_of(const RawPicturesRequest& arguments, const CountFrames& raw,
+                                     const CountFrames* dark, const Execution& execution) {
   if (arguments.defects.empty()) return {};
   if (arguments.defects == "auto") {
-    if (dark == nullptr) throw UsageError("--defects auto: takes dark frames (--dark)");
+    if (dark == nullptr)
+      throw UsageError(arguments.names()("defects", "auto") + ": takes dark frames (" +
+                       arguments.names()("dark") + ")");
     return hot_pixels(*dark);
   }
   std::vector<std::uint8_t> defects(raw.pixel_count(), 0);
@@ -154,8 +52,9 @@ std::vector<std::uint8_t> defects_of(const ImportArguments& arguments, const Cou
     return defects;
   }
   RawFileOptions as_it_is = arguments.files;
-  as_it_is.shift = as_it_is.bits = 0;
-  const CountFrames map = read_frames({arguments.defects}, as_it_is, 1e9);
+  as_it_is.shift = 0;
+  as_it_is.bits = {};
+  const CountFrames map = read_frames({arguments.defects}, as_it_is, execution, 1e9);
   if (map.pixel_count() != raw.pixel_count() || map.width != raw.width)
     throw InputError("'" + arguments.defects + "' is not of the picture's size");
   for (std::size_t i = 0; i < defects.size(); ++i)
@@ -166,19 +65,20 @@ std::vector<std::uint8_t> defects_of(const ImportArguments& arguments, const Cou
 /// Frames of corrections of one channel.
 struct CorrectionFrames {
   std::optional<CountFrames> dark, flat, flat_dark, white, white_dark;
-  CorrectionFrames(const ImportArguments& arguments, const std::string& channel, const Scene& scene,
-                   double full) {
+  CorrectionFrames(const RawPicturesRequest& arguments, const std::string& channel,
+                   const Scene& scene, double full, const Execution& execution) {
     const auto read = [&](const char* option, const std::vector<std::string>& values,
                           std::optional<CountFrames>& to, double limit) {
-      const std::vector<std::string> files = values_of_channel(option, values, channel, scene);
-      if (!files.empty()) to = read_frames(files, arguments.files, limit);
+      const std::vector<std::string> files =
+          values_of_channel(arguments.names()(option), values, channel, scene);
+      if (!files.empty()) to = read_frames(files, arguments.files, execution, limit);
     };
     constexpr double kNever = 1e9;
-    read("--dark", arguments.dark, dark, kNever);
-    read("--flat", arguments.flat, flat, full);
-    read("--flat-dark", arguments.flat_dark, flat_dark, kNever);
-    read("--white", arguments.white, white, full);
-    read("--white-dark", arguments.white_dark, white_dark, kNever);
+    read("dark", arguments.dark, dark, kNever);
+    read("flat", arguments.flat, flat, full);
+    read("flat-dark", arguments.flat_dark, flat_dark, kNever);
+    read("white", arguments.white, white, full);
+    read("white-dark", arguments.white_dark, white_dark, kNever);
   }
   RawCorrections corrections() const {
     const auto pointer = [](const std::optional<CountFrames>& frames) {
@@ -199,22 +99,18 @@ double median_level(const CountFrames& frames) {
 /// The whole command, step by step.
 class ImportRun {
  public:
-  explicit ImportRun(const ImportArguments& arguments) : arguments_(arguments) {
-    execution_.threads = arguments.threads;
-    execution_.message = [](Severity, const std::string& text) { warn(text); };
-  }
+  ImportRun(const RawPicturesRequest& arguments, const SceneDocument& camera,
+            const Execution& execution)
+      : arguments_(arguments), execution_(execution), document_(camera) {}
 
-  int run() {
+  RawPictures run() {
     static_cast<void>(arguments_.files.layout());  // bad use is found before bad files
-    check_ending("-o", arguments_.output, {".exr"});
     read_response_options();
-    check_writable(arguments_.output);
-    document_ = read_scene_of_camera(arguments_.camera, arguments_.set, arguments_.which);
-    const SensorSpec& sensor = document_.scene.camera.sensor;
-    levels_ = resolved_levels(sensor);
+    levels_ = resolved_levels(document_.scene.camera.sensor);
     fill_response();
-    settings_.mosaic = sensor.mosaic;
-    LightField field;
+    settings_.mosaic = document_.scene.camera.sensor.mosaic;
+    RawPictures result;
+    LightField& field = result.light_field;
     for (const ChannelFiles& files : channel_files(arguments_, document_.scene)) {
       LightField part = import_one(files);
       if (field.channels.empty()) {
@@ -224,23 +120,19 @@ class ImportRun {
       }
     }
     finish(field);
-    write_light_field(arguments_.output, field);
-    print(field);
-    return kSuccess;
+    report(field, result.report);
+    return result;
   }
 
  private:
   void read_response_options() {
     SensorResponse& response = settings_.response;
-    if (!arguments_.gain.empty())
-      response.gain = positive("--gain", arguments_.gain, Dimension::none, 1e9);
-    if (!arguments_.read_noise.empty())
-      response.read_noise = number_option("--read-noise", arguments_.read_noise, 0, 1e6);
-    if (!arguments_.black_level.empty())
-      response.black_level = number_option("--black-level", arguments_.black_level, 0, 65535);
-    if (!arguments_.saturation.empty()) {
-      full_ = number_option("--saturation", arguments_.saturation, 1, 65535);
-    }
+    if (arguments_.gain && !(*arguments_.gain > 0))
+      throw UsageError(arguments_.names()("gain") + ": above 0");
+    response.gain = arguments_.gain.value_or(response.gain);
+    response.read_noise = arguments_.read_noise.value_or(response.read_noise);
+    response.black_level = arguments_.black_level.value_or(response.black_level);
+    full_ = arguments_.saturation.value_or(full_);
     settings_.noise = arguments_.noise == "series"  ? NoiseSource::series
                       : arguments_.noise == "pixel" ? NoiseSource::pixel
                                                     : NoiseSource::sensor;
@@ -255,35 +147,37 @@ class ImportRun {
   void fill_response() {
     const SensorSpec& sensor = document_.scene.camera.sensor;
     SensorResponse& response = settings_.response;
-    if (arguments_.gain.empty()) response.gain = levels_.gain;
-    if (arguments_.read_noise.empty()) response.read_noise = sensor.read_noise;
-    if (arguments_.black_level.empty()) response.black_level = levels_.black_level;
+    if (!arguments_.gain) response.gain = levels_.gain;
+    if (!arguments_.read_noise) response.read_noise = sensor.read_noise;
+    if (!arguments_.black_level) response.black_level = levels_.black_level;
     response.dark_current = sensor.dark_current;
-    if (arguments_.saturation.empty() && arguments_.gain.empty()) full_ = full_counts(levels_);
+    if (!arguments_.saturation && !arguments_.gain) full_ = full_counts(levels_);
   }
 
   /// The exposure time of a channel's pictures [s]; 0: nothing says it.
   double exposure_of(const std::string& channel) const {
+    const std::string name = arguments_.names()("exposure-time");
     const std::vector<std::string> values =
-        values_of_channel("--exposure-time", arguments_.exposure_time, channel, document_.scene);
-    if (values.size() > 1)
-      throw UsageError("--exposure-time: one for all channels, or NAME=TIME for each");
+        values_of_channel(name, arguments_.exposure_time, channel, document_.scene);
+    if (values.size() > 1) throw UsageError(name + ": one for all channels, or NAME=TIME for each");
     return values.empty() ? document_.scene.camera.sensor.exposure_time
-                          : positive("--exposure-time", values.front(), Dimension::time, 1e6);
+                          : exposure_of_text(name, values.front());
   }
 
   PixelWindow window_of(const CountFrames& raw, const std::string& file) const {
     const SensorSpec& sensor = document_.scene.camera.sensor;
     PixelWindow window{0, 0, sensor.columns, sensor.rows};
-    if (!arguments_.window.empty()) window = window_option("--window", arguments_.window);
+    if (!arguments_.window.empty())
+      window = window_option(arguments_.names()("window"), arguments_.window);
     if (window.x + window.width > sensor.columns || window.y + window.height > sensor.rows)
-      throw UsageError("--window: it does not lie on the sensor");
+      throw UsageError(arguments_.names()("window") + ": it does not lie on the sensor");
     if (window.width != raw.width || window.height != raw.height)
       throw InputError(fmt::format(
           "'{}' has {} x {} pixels, the {} {} x {}: {}", file, raw.width, raw.height,
           arguments_.window.empty() ? "camera's sensor" : "window", window.width, window.height,
           arguments_.window.empty()
-              ? "give the camera's columns and rows, or with --window the part that was read out"
+              ? "give the camera's columns and rows, or with " + arguments_.names()("window") +
+                    " the part that was read out"
               : "the window is the part of the sensor that was read out"));
     return window;
   }
@@ -293,26 +187,29 @@ class ImportRun {
     const double share =
         static_cast<double>(raw.saturated) / static_cast<double>(raw.pixel_count());
     if (share > kMost)
-      throw InputError(fmt::format(
-          "{:.0f} % of the pixels of '{}' are full ({:g} counts or more), which tells nothing of "
-          "their light: expose it less, or see to --saturation, and to full_well, gain and bits of "
-          "the camera's file",
-          100 * share, file, full_ > 0 ? full_ : std::ldexp(1.0, raw.bits) - 1));
+      throw InputError(
+          fmt::format("{:.0f} % of the pixels of '{}' are full ({:g} counts or "
+                      "more), which tells nothing of "
+                      "their light: expose it less, or see to the saturation, "
+                      "and to full_well, gain and bits of "
+                      "the camera's file",
+                      100 * share, file, full_ > 0 ? full_ : std::ldexp(1.0, raw.bits) - 1));
   }
 
   LightField import_one(const ChannelFiles& files) {
     const std::string channel = files.channels.empty() ? "" : files.channels.front();
     settings_.response.exposure_time = exposure_of(channel);
-    frames_ = std::make_unique<CorrectionFrames>(arguments_, channel, document_.scene, full_);
-    const CountFrames raw = read_frames(files.files, arguments_.files, full_);
+    frames_ =
+        std::make_unique<CorrectionFrames>(arguments_, channel, document_.scene, full_, execution_);
+    const CountFrames raw = read_frames(files.files, arguments_.files, execution_, full_);
     check_not_full(raw, files.files.front());
     settings_.window = window_of(raw, files.files.front());
-    settings_.names =
-        names_of(files, raw, document_.scene, settings_.mosaic != MosaicPattern::none);
+    settings_.names = names_of(files, raw, document_.scene, settings_.mosaic != MosaicPattern::none,
+                               arguments_.names());
     RawCorrections corrections = frames_->corrections();
-    corrections.defects = defects_of(arguments_, raw, corrections.dark);
+    corrections.defects = defects_of(arguments_, raw, corrections.dark, execution_);
     const SensorSpec& sensor = document_.scene.camera.sensor;
-    if (corrections.dark != nullptr && arguments_.black_level.empty() && !(sensor.black_level > 0))
+    if (corrections.dark != nullptr && !arguments_.black_level && !(sensor.black_level > 0))
       settings_.response.black_level = median_level(*corrections.dark);
     for (const std::string& name : settings_.names) {
       exposures_[name] = settings_.response.exposure_time;
@@ -320,15 +217,17 @@ class ImportRun {
     }
     fit_noise(raw, corrections);
     if (full_ > 0 && full_ <= settings_.response.black_level)
-      throw UsageError(fmt::format(
-          "--saturation: pixels are not full at {:g} counts, which is no more than the level "
-          "without light, {:g}",
-          full_, settings_.response.black_level));
+      throw UsageError(
+          fmt::format("{}: pixels are not full at {:g} counts, which is no "
+                      "more than the level without light, "
+                      "{:g}",
+                      arguments_.names()("saturation"), full_, settings_.response.black_level));
     set_scale();
     if (corrections.white != nullptr && settings_.model_white.empty()) {
       const CameraSpec& camera = document_.scene.camera;
       if (!camera.array.present)
-        throw InputError("--white: the camera has no microlens array; give a flat field");
+        throw InputError(arguments_.names()("white") +
+                         ": the camera has no microlens array; give a flat field");
       settings_.model_white =
           white_image(MicroImages(Camera(camera), true, execution_), settings_.window, execution_);
     }
@@ -352,13 +251,14 @@ class ImportRun {
   void fit_noise(const CountFrames& raw, const RawCorrections& corrections) {
     if (raw.frames < 2) {
       if (settings_.noise != NoiseSource::sensor)
-        throw UsageError("--noise " + arguments_.noise + ": takes several frames of one scene");
+        throw UsageError(arguments_.names()("noise", arguments_.noise) +
+                         ": takes several frames of one scene");
       return;
     }
     if (settings_.noise == NoiseSource::pixel && raw.frames < 10)
-      throw UsageError(
-          "--noise pixel: a pixel's own scatter takes 10 frames or more; with fewer, "
-          "--noise series asks all pixels");
+      throw UsageError(arguments_.names()("noise", "pixel") +
+                       ": a pixel's own scatter takes 10 frames or more; with fewer, " +
+                       arguments_.names()("noise", "series") + " asks all pixels");
     try {
       settings_.transfer = fit_photon_transfer(
           raw, 0, corrections.dark != nullptr ? corrections.dark->mean[0] : Image(),
@@ -366,12 +266,12 @@ class ImportRun {
       fitted_ = true;
     } catch (const InputError& error) {
       if (settings_.noise == NoiseSource::series)
-        throw InputError(std::string("--noise series: ") + error.what());
+        throw InputError(arguments_.names()("noise", "series") + ": " + error.what());
     }
     const SensorSpec& sensor = document_.scene.camera.sensor;
     const PhotonTransfer& transfer = settings_.transfer;
     // Without a stated gain, the noise gives it if it is significant.
-    if (fitted_ && arguments_.gain.empty() && !(sensor.gain > 0) &&
+    if (fitted_ && !arguments_.gain && !(sensor.gain > 0) &&
         transfer.slope > 10 * transfer.slope_error) {
       settings_.response.gain = 1 / transfer.slope;
       gain_from_ = "from the scatter of the series";
@@ -390,8 +290,8 @@ class ImportRun {
       for (const ChannelScale& scale : table.channels) {
         const auto same = [&](const ChannelScale& other) { return other.channel == scale.channel; };
         if (std::any_of(all.channels.begin(), all.channels.end(), same))
-          throw InputError("--radiometry: two of the files have a scale of channel " +
-                           scale.channel);
+          throw InputError(arguments_.names()("radiometry") +
+                           ": two of the files have a scale of channel " + scale.channel);
         all.channels.push_back(scale);
       }
     }
@@ -400,14 +300,15 @@ class ImportRun {
 
   /// Watts are right where both, the pictures of the blackbody and these, were evened out alike.
   void check_evened_out(const ChannelScale& scale) const {
-    const auto check = [&](const char* what, const char* option, bool there, bool here) {
+    const auto check = [&](const char* what, const std::string& option, bool there, bool here) {
       if (there == here) return;
-      warn("--radiometry: the scale of channel " + scale.channel + " was found with" +
-           (there ? "" : "out") + " a " + what + ", these pictures have " +
-           (here ? "one" : "none") + ": give " + option + " to both commands, or to none");
+      execution_.warn(arguments_.names()("radiometry") + ": the scale of channel " + scale.channel +
+                      " was found with" + (there ? "" : "out") + " a " + what +
+                      ", these pictures have " + (here ? "one" : "none") + ": give " + option +
+                      " to both commands, or to none");
     };
-    check("white picture", "--white", scale.white, frames_->white.has_value());
-    check("flat field", "--flat", scale.flat, frames_->flat.has_value());
+    check("white picture", arguments_.names()("white"), scale.white, frames_->white.has_value());
+    check("flat field", arguments_.names()("flat"), scale.flat, frames_->flat.has_value());
   }
 
   void set_scale() {
@@ -416,9 +317,9 @@ class ImportRun {
     if (settings_.unit != ImportUnit::watts) return;
     const SensorResponse& response = settings_.response;
     if (!(response.exposure_time > 0))
-      throw UsageError("--unit W: flux of channel " + settings_.names.front() +
-                       " is energy by time; give --exposure-time, or "
-                       "camera.sensor.exposure_time");
+      throw UsageError(arguments_.names()("unit", "W") + ": flux of channel " +
+                       settings_.names.front() + " is energy by time; give " +
+                       arguments_.names()("exposure-time") + ", or camera.sensor.exposure_time");
     if (!arguments_.radiometry.empty()) {
       const RadiometryTable table = radiometry();
       for (const std::string& name : settings_.names) {
@@ -432,12 +333,14 @@ class ImportRun {
     }
     const std::vector<double> wavelengths = channel_wavelengths(document_.scene);
     for (const std::string& name : settings_.names) {
-      const double wavelength = wavelengths[channel_number(document_.scene, name)];
+      const double wavelength =
+          wavelengths[channel_number(document_.scene, name, arguments_.names())];
       if (!(wavelength > 0))
-        throw InputError(
-            "channel " + name +
-            " is of all wavelengths, so no flux follows from electrons; give its band, "
-            "line or response in the camera's file, or --radiometry");
+        throw InputError("channel " + name +
+                         " is of all wavelengths, so no flux follows from "
+                         "electrons; give its band, "
+                         "line or response in the camera's file, or " +
+                         arguments_.names()("radiometry"));
       settings_.watts_per_count.push_back(
           response.gain / (response.exposure_time *
                            electrons_per_joule(document_.scene.camera.sensor, wavelength)));
@@ -486,9 +389,7 @@ class ImportRun {
                        [&](const auto& each) { return each.second == exposures_.begin()->second; });
   }
 
-  void print(const LightField& field) const {
-    Report report;
-    report.add("light field", arguments_.output, "light_field", arguments_.output);
+  void report(const LightField& field, Report& report) const {
     report.add("size", fmt::format("{} x {} pixels", field.window.width, field.window.height),
                "size", {field.window.width, field.window.height});
     std::string names;
@@ -545,24 +446,24 @@ class ImportRun {
       report.add("below zero",
                  std::to_string(summary_.negative) + " pixels, by more than 5 standard errors",
                  "negative", summary_.negative);
-    report.print(arguments_.json);
     if (summary_.negative > 0)
-      warn(
-          fmt::format("{} pixels are below 0 by more than 5 standard errors: is the dark frame (or "
-                      "--black-level) of this exposure?",
+      execution_.warn(
+          fmt::format("{} pixels are below 0 by more than 5 standard errors: "
+                      "is the dark frame (or the black "
+                      "level) of this exposure?",
                       summary_.negative));
   }
 
   std::string gain_text() const {
-    if (!arguments_.gain.empty()) return "as given";
+    if (arguments_.gain) return "as given";
     if (!gain_from_.empty()) return gain_from_;
     return document_.scene.camera.sensor.gain > 0 ? "of the camera's file"
                                                   : "as if the full well filled the range";
   }
 
-  const ImportArguments& arguments_;
-  Execution execution_;
-  SceneDocument document_;
+  const RawPicturesRequest& arguments_;
+  const Execution& execution_;
+  const SceneDocument& document_;
   SensorSpec levels_;
   double full_ = 0;  ///< counts from which on a pixel is full
   std::unique_ptr<CorrectionFrames> frames_;
@@ -579,8 +480,9 @@ class ImportRun {
 
 }  // namespace
 
-int run_import(const ImportArguments& arguments) {
-  return ImportRun(arguments).run();
+RawPictures import_pictures(const RawPicturesRequest& request, const SceneDocument& camera,
+                            const Execution& execution) {
+  return ImportRun(request, camera, execution).run();
 }
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

@@ -1,20 +1,20 @@
-#include "commands/light_field/pyrometry_pupil.h"
+#include "plenoflame/measure/pupil_pyrometry.h"
 
 #include <algorithm>
 
-#include "commands/light_field/pyrometry_light.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
 #include "plenoflame/lightfield/pupil_views.h"
 #include "plenoflame/scene/spectral.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 
 PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std::size_t channel,
                                const std::string (&filters)[2], const AbsorptionSpectrum& law,
                                const PyrometrySettings& settings) {
   if (field.unit != "W" && field.unit != "e-" && field.unit != "DN")
     throw InputError(
-        "--filters needs the flux of render or the electrons of develop; this light field holds " +
+        "filters take the flux of render or the electrons of develop; this light field holds " +
         field.unit);
   check_raw_image(field, scene.camera, "the light field");
   LightField light;
@@ -37,8 +37,9 @@ PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std:
     if (found == views.end()) {
       std::string names;
       for (const PupilView& view : views) names += (names.empty() ? "" : ", ") + view.filter;
-      throw UsageError("--filters: the camera has no pupil filter '" + filters[k] +
-                       "'; it has: " + names);
+      throw mended_by(
+          UsageError("the camera has no pupil filter '" + filters[k] + "'; it has: " + names),
+          {"filters"});
     }
     seen[k] = &*found;
     const auto number = static_cast<std::size_t>(found - views.begin());
@@ -67,4 +68,4 @@ PupilPyrometry pupil_pyrometry(const LightField& field, const Scene& scene, std:
   return result;
 }
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

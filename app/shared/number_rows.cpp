@@ -6,7 +6,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/text_file.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r";
@@ -64,4 +64,4 @@ std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t cou
   return rows;
 }
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

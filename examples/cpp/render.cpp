@@ -1,0 +1,20 @@
+// Renders a scene and writes its light field.
+//   render SCENE.toml FIELD.exr
+#include <cstdio>
+
+#include "plenoflame/render/describe.h"
+#include "plenoflame/render/render_request.h"
+
+using namespace plenoflame;
+
+int main(int count, char** arguments) try {
+  if (count != 3) return std::fprintf(stderr, "usage: render SCENE.toml FIELD.exr\n"), 2;
+  const CompiledScene scene = compile(read_scene_file(arguments[1]).scene);
+  RenderResult result = render(scene, render_settings(scene.scene));
+  describe(scene, result.light_field);
+  write_light_field(arguments[2], result.light_field);
+  std::printf("%.6g W\n", result.statistics.flux);
+  return 0;
+} catch (const std::exception& error) {
+  return std::fprintf(stderr, "render: %s\n", error.what()), 1;
+}
