@@ -113,7 +113,7 @@ def draw_renderings(figure, sources, errors):
         place.set_xticks((-8, 0, 8))
         place.set_yticks((-16, -8, 0, 8, 16), labels=None if place is axes[0] else [])
     axes[0].set_ylabel("z (mm)")
-    figure.colorbar(shown, ax=axes[3], label="radiance (W/(m$^2$ sr))", location="right", aspect=25, shrink=0.8)
+    figure.colorbar(shown, ax=axes[3], location="right", aspect=25, shrink=0.8).ax.set_title("radiance\n(W/(m$^2$ sr))", fontsize=10)
     plot = axes[4]
     plot.plot(errors.keys(), [100 * error for error in errors.values()], "o-", color="#0072b2")
     for count, error in errors.items():

@@ -35,8 +35,8 @@
 namespace plenoflame {
 namespace {
 
-/// Shares of the work, for progress, at which the rays are drawn, the strength is chosen and the
-/// solution is found. The deviations take the rest. A test of the model takes a fifth of the whole.
+/// Shares of the progress at which the rays are drawn, the strength is chosen and the solution is
+/// found. The deviations take the rest, and a test of the model a fifth of the whole.
 constexpr double kDrawingShare = 0.05, kChosen = 0.4, kSolved = 0.45, kUntested = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;
@@ -45,8 +45,7 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
-/// Time of the whole over that of the first guess, within a factor of 2. The second value is the
-/// shortest reported time.
+/// Time of the whole over that of the first guess, within a factor of 2; shortest reported time.
 constexpr double kTimesGuess = 100, kLongRun = 60;
 
 /// Reports the steps of the work as shares of the whole, and checks for a stop.
@@ -192,8 +191,7 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   result.strength = -1;  // where a stop comes before one is chosen
   // Flames more than twice as bright as this one are no prior. Cross-validation prefers them if the
   // flame seems to explain errors of the model that neighbouring pixels share.
-  constexpr double kMostTimesBrighter = 2;
-  constexpr double kMostNegative = 0.1;
+  constexpr double kMostTimesBrighter = 2, kMostNegative = 0.1;
   StrengthRange range = kLinearRange;
   range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
                                 std::pow(kMostTimesBrighter, 2),
@@ -404,8 +402,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   const RowModel model = input.absorption.empty() ? RowModel::emission : RowModel::source;
   const BuiltRows& built = input.built;
   if (built.rays) check_built(input, settings);
-  if (must_be_stored(settings) &&
-      !built.rays) {  // a refusal does not wait until all rays are drawn
+  if (must_be_stored(settings) && !built.rays) {  // before all rays are drawn
     const double least =
         kBytesOfEntry * least_entries({nullptr, input.unknowns, model, input.absorption}, views,
                                       settings.rays, execution);
