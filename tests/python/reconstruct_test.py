@@ -192,7 +192,10 @@ class Reconstruct(PackageTest):
                     stated, without = (getattr(one, name + "_deviation") for one in (known, exact))
                     part = numpy.sqrt(numpy.maximum(stated**2 - without**2, 0))
                     wrong = numpy.abs(part - 0.1 * numpy.abs(slope)) / getattr(exact, name)
-                    self.assertLess(wrong[lit].max(), share, (part[lit], slope[lit]))
+                    # Where the light errs by more than itself, deviations of temperatures are not those of a slope.
+                    some = lit & (known.emission_deviation < exact.emission)
+                    self.assertGreater(some.sum(), 0.5 * lit.sum())
+                    self.assertLess(wrong[some].max(), share, (part[some], slope[some]))
             self.assertIn("known to 10 %", known.report)
 
     def test_several_cameras(self):

@@ -82,8 +82,7 @@ Maker maker(void (*prepare)(Reader&) = nullptr) {
 
 vtkSmartPointer<vtkAlgorithm> plot3d(const std::string& path, const std::string& second) {
   if (second.empty())
-    throw UsageError("'" + path +
-                     "' is a grid of PLOT3D; name its solution, too (--solution FILE.q)");
+    throw UsageError("'" + path + "' is a grid of PLOT3D: name the file of its solution (.q), too");
   const auto reader = vtkSmartPointer<vtkMultiBlockPLOT3DReader>::New();
   reader->SetXYZFileName(path.c_str());
   reader->SetQFileName(second.c_str());

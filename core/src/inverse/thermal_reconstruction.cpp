@@ -446,8 +446,9 @@ class ThermalSolver {
     for (std::size_t j = 0; j < n; ++j)
       if (estimate.absorption[j] > 0) light[j] = source(estimate.temperature[j]);
     // Temperature and absorption may each account for all of the light between the places.
-    const std::vector<double> between =
-        errors_of_chords(*input_.unknowns, light, estimate.absorption);
+    std::vector<double> between = errors_of_chords(*input_.unknowns, light, estimate.absorption);
+    for (std::size_t j = 0; j < n; ++j)
+      if (!(temperature[j] > 0)) between[j] = 0;  // held at a bound
     for (std::size_t j = 0; j < n; ++j) {
       const double t = estimate.temperature[j], kappa = estimate.absorption[j];
       const double relative = light[j] > 0 ? between[j] / light[j] : 0;
