@@ -192,7 +192,7 @@ class Reconstruct(PackageTest):
                     stated, without = (getattr(one, name + "_deviation") for one in (known, exact))
                     part = numpy.sqrt(numpy.maximum(stated**2 - without**2, 0))
                     wrong = numpy.abs(part - 0.1 * numpy.abs(slope)) / getattr(exact, name)
-                    # Where the light errs by more than itself, deviations of temperatures are not those of a slope.
+                    # A deviation of a temperature is not that of a slope where the light errs by more than itself.
                     some = lit & (known.emission_deviation < exact.emission)
                     self.assertGreater(some.sum(), 0.5 * lit.sum())
                     self.assertLess(wrong[some].max(), share, (part[some], slope[some]))
