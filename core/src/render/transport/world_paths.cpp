@@ -1,20 +1,13 @@
 #include "render/transport/world_paths.h"
 
 namespace plenoflame {
-namespace {
-
-void follow(const WindowSet* windows, const Ray& ray, WindowPath& path) {
-  path.stopped = false;
-  if (windows)
-    windows->trace(ray, path);
-  else
-    path.segments.resize(1), path.segments.front() = {ray, kInfinity, 1, -1};
-}
-
-}  // namespace
 
 void trace_from(const CompiledScene& scene, const Ray& ray, WindowPath& path) {
-  follow(scene.windows.get(), ray, path);
+  path.stopped = false;
+  if (scene.windows)
+    scene.windows->trace(ray, path);
+  else
+    path.segments.assign(1, AirSegment{ray, kInfinity, 1, -1});
 }
 
 WorldPaths::WorldPaths(const CompiledScene& scene)
@@ -32,7 +25,8 @@ void WorldPaths::add(std::size_t ray, const Ray& line) {
   path.first = stretches_.size();
   path.open = true;
   if (windows_) {
-    follow(windows_, begun, way_);
+    way_.stopped = false;
+    windows_->trace(begun, way_);
     path.open = !way_.stopped;
     stretches_.insert(stretches_.end(), way_.segments.begin(), way_.segments.end());
   } else {
