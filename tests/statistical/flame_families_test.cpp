@@ -109,13 +109,16 @@ TEST(FlameFamilies, DeviationsHoldWhatACoarseGridCannotTell) {
   expect_true(emission);
 }
 
-// One camera cannot tell depths: most of the light of a voxel is unknown, and the deviation says
-// so.
+// One camera cannot tell depths: most of the light of a voxel is unknown. Deviations say so, and
+// they are large where the errors are.
 TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
-  const Errors found = reconstruct_family({Family::blobs, false, 1, 8000, 7, 0}).emission;
-  EXPECT_GT(found.error, 0.3);
-  EXPECT_GT(found.stated, 0.25);
-  EXPECT_GT(found.covered, 0.75);
+  Totals emission;
+  for (const FamilyTrial& trial : {FamilyTrial{Family::jet, false, 1, 8000, 7, 0},
+                                   {Family::blobs, false, 1, 8000, 7, 0},
+                                   {Family::turbulent, false, 1, 8000, 7, 0}})
+    emission.add(reconstruct_family(trial).emission);
+  EXPECT_GT(emission.mean().error, 0.3);
+  expect_true(emission);
 }
 
 ReconstructionSettings tested() {

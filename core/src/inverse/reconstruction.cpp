@@ -19,6 +19,7 @@
 #include "inverse/operators/remembered_product.h"
 #include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/worthwhile_threads.h"
+#include "inverse/prior_of_draws.h"
 #include "inverse/row_results.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
@@ -146,42 +147,6 @@ SolverOptions solver_options(const ReconstructionSettings& settings, double rows
   return options;
 }
 
-/// The strength at which flames that are drawn from the prior are as bright as this one, where it
-/// shines.
-double strength_of_brightness(const ScaledProblem& problem, const std::vector<double>& prior,
-                              std::vector<double> flame, const Execution& execution) {
-  constexpr int kDraws = 8;
-  constexpr double kLit = 0.05;  // of the largest
-  // Wide structures, which come last, hold most of the light.
-  const ProbeAccuracy accuracy{2000, 1e-5};
-  const double brightest = *std::ranges::max_element(flame);
-  std::vector<char> lit;
-  for (const double value : flame) lit.push_back(value > kLit * brightest);
-  const auto square_of_lit = [&](std::span<const double> values) {
-    double sum = 0;
-    for (std::size_t j = 0; j < lit.size(); ++j)
-      if (lit[j]) sum += values[j] * values[j];
-    return sum;
-  };
-  for (std::size_t j = 0; j < prior.size(); ++j) flame[j] -= prior[j];
-  double drawn = 0;
-  const auto add = [&](std::span<const double> u) {
-    drawn += square_of_lit(problem.samples(u)) / kDraws;
-  };
-  draw_prior(problem.regularisation(1), {kDraws, 2}, add, execution, accuracy);
-  const double own = square_of_lit(flame);
-  return own > 0 ? drawn / own : std::numeric_limits<double>::max();
-}
-
-/// Share of the unknowns that may shine which do.
-double share_of_lit(const std::vector<double>& values, const std::vector<char>& solved) {
-  constexpr double kLit = 0.05;  // of the largest
-  const double least = kLit * *std::ranges::max_element(values);
-  const auto lit = std::ranges::count_if(values, [&](double value) { return value > least; });
-  return static_cast<double>(lit) /
-         static_cast<double>(std::max<std::ptrdiff_t>(1, std::ranges::count(solved, char{1})));
-}
-
 /// Strength by cross-validation; what was found on the way is the next start.
 /// @param guess of the flame
 std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<const double> b,
@@ -193,7 +158,8 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   // flame seems to explain errors of the model that neighbouring pixels share.
   constexpr double kMostTimesBrighter = 2, kMostNegative = 0.1;
   StrengthRange range = kLinearRange;
-  range.lowest = std::clamp(strength_of_brightness(problem, input.prior, guess, watch.inner()) /
+  range.lowest = std::clamp(strength_of_brightness(problem, problem.regularisation(1), input.prior,
+                                                   guess, watch.inner()) /
                                 std::pow(kMostTimesBrighter, 2),
                             range.lowest, 0.01 * range.highest);
   range.most_negative = kMostNegative;
@@ -238,26 +204,17 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   const double free = free_chi_squared(result.chi_squared * rows, rows, result.resolved_unknowns);
   result.noise_factor = std::sqrt(free);
   if (settings.draws < 1) return;
+  const PriorOfDraws prior = prior_of_draws(problem, input, settings, result, watch.inner());
+  const ScaledProblem& drawn_in = prior.ratios ? *prior.ratios : problem;
   std::vector<double> squares(result.values.size(), 0.0);
   const auto add = [&](std::span<const double> u) {
-    const std::vector<double> moved =
-        values_at_places(*input.unknowns, problem.samples(u), result.solved);
+    std::vector<double> moved = drawn_in.samples(u);
+    // Ratios are of the light at places.
+    if (!prior.ratios) moved = values_at_places(*input.unknowns, moved, result.solved);
     for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
   };
-  Regularisation prior = penalty;
-  if (result.strength > 0) {
-    // Only places with light bend: the amplitude that the strength tells in the mean of all is
-    // theirs, and larger.
-    double strength = share_of_lit(result.at_places, result.solved) * result.strength;
-    // One camera sees how fine the structure is, but not the depth of the light; two cameras see
-    // the depth only in part. Rings look the same to every camera. The prior has to allow a flame
-    // as bright as the reconstructed one.
-    if (input.views.size() <= 2 || input.unknowns->begins_at_centre())
-      strength = std::min(
-          strength, strength_of_brightness(problem, input.prior, result.values, watch.inner()));
-    prior = problem.regularisation(strength);
-  }
-  draw_posterior(linear, prior, {settings.draws, 1}, add, watch.rest(1), accuracy);
+  draw_posterior(drawn_in.problem(b), prior.penalty, {settings.draws, 1}, add, watch.rest(1),
+                 accuracy);
   const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
   result.deviation = errors_of_chords(*input.unknowns, result.at_places, input.absorption);
   for (std::size_t j = 0; j < squares.size(); ++j) {

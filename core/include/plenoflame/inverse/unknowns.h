@@ -45,6 +45,8 @@ std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const d
                                      const std::vector<char>& solved);
 /// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.
 std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const double> values);
+/// The mean of each value and its neighbours along the axes, which have half of its weight.
+std::vector<double> averaged_with_neighbours(const Unknowns& unknowns, std::vector<double> values);
 /// How far a field may lie from its interpolation between unknowns: an eighth of the second
 /// differences, the height of an arc over its chord. The root of the mean square of a place and its
 /// neighbours, summed over the axes. Beyond the lattice the field is 0.

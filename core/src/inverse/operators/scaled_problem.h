@@ -33,6 +33,7 @@ class ScaledColumns final : public LinearOperator {
   std::size_t columns() const override { return a_.columns(); }
   void apply(std::span<const double> x, std::span<double> y) const override;
   void apply_transpose(std::span<const double> y, std::span<double> x) const override;
+  const LinearOperator& unscaled() const { return a_; }
 
  private:
   const LinearOperator& a_;
@@ -63,7 +64,13 @@ class ScaledProblem {
   /// The quadratic problem and its penalty in u, for uncertainties.
   LinearProblem problem(std::span<const double> b) const { return {&scaled_a_, b, weights_}; }
   Regularisation regularisation(double strength) const;
+  /// The same penalty on u in place of x: a prior of ratios to the scale.
+  Regularisation penalty_of_ratios(double strength) const {
+    return {penalty_.l.get(), strength, {}};
+  }
   void set_prior(std::span<const double> prior);
+  /// A, of the unknowns in their own units, without weights.
+  const LinearOperator& unscaled() const { return scaled_a_.unscaled(); }
 
   std::vector<double> samples(std::span<const double> u) const;
   std::vector<double> scaled(std::span<const double> x) const;

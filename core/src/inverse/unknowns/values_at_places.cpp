@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "plenoflame/inverse/unknowns.h"
 
@@ -57,6 +58,17 @@ std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const 
   return samples;
 }
 
+std::vector<double> averaged_with_neighbours(const Unknowns& unknowns, std::vector<double> values) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::vector<double> own = values;
+    along(unknowns, axis, [&](std::size_t j, std::size_t lower, std::size_t upper) {
+      const auto at = [&](std::size_t k) { return own[k == kNone ? j : k]; };
+      values[j] = 0.5 * own[j] + 0.25 * (at(lower) + at(upper));
+    });
+  }
+  return values;
+}
+
 std::vector<double> errors_of_chords(const Unknowns& unknowns, std::span<const double> values,
                                      std::span<const double> absorption) {
   std::vector<double> squares(values.size(), 0.0);
@@ -67,13 +79,7 @@ std::vector<double> errors_of_chords(const Unknowns& unknowns, std::span<const d
       };
       squares[j] += std::pow((value(lower) - 2 * value(j) + value(upper)) / 8, 2);
     });
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const std::vector<double> own = squares;
-    along(unknowns, axis, [&](std::size_t j, std::size_t lower, std::size_t upper) {
-      const auto square = [&](std::size_t k) { return own[k == kNone ? j : k]; };
-      squares[j] = 0.5 * own[j] + 0.25 * (square(lower) + square(upper));
-    });
-  }
+  squares = averaged_with_neighbours(unknowns, std::move(squares));
   for (std::size_t j = 0; j < squares.size(); ++j) {
     squares[j] = std::sqrt(squares[j]);
     if (!absorption.empty()) squares[j] = absorption[j] > 0 ? squares[j] / absorption[j] : 0;

@@ -1,0 +1,95 @@
+#include "inverse/prior_of_draws.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "plenoflame/inverse/uncertainty.h"
+
+namespace plenoflame {
+namespace {
+
+/// Places shine that are brighter than this share of the brightest.
+constexpr double kLit = 0.05;
+
+std::vector<char> lit_places(std::span<const double> flame) {
+  const double least = kLit * *std::ranges::max_element(flame);
+  std::vector<char> lit;
+  for (const double value : flame) lit.push_back(value > least);
+  return lit;
+}
+
+/// Share of the unknowns that may shine which do.
+double share_of_lit(const Reconstruction& found) {
+  return static_cast<double>(std::ranges::count(lit_places(found.at_places), char{1})) /
+         static_cast<double>(
+             std::max<std::ptrdiff_t>(1, std::ranges::count(found.solved, char{1})));
+}
+
+/// The flame, so smooth that its own errors matter little, and nowhere dark. It is 0 for what is
+/// not solved.
+std::vector<double> shape_of(const Reconstruction& found, const Unknowns& unknowns) {
+  constexpr int kPasses = 3;
+  constexpr double kDarkest = 0.02;  // of the largest
+  std::vector<double> shape = found.values;
+  for (int pass = 0; pass < kPasses; ++pass)
+    shape = averaged_with_neighbours(unknowns, std::move(shape));
+  const double least = kDarkest * *std::ranges::max_element(found.values);
+  for (std::size_t j = 0; j < shape.size(); ++j) shape[j] = found.solved[j] ? shape[j] + least : 0;
+  return shape;
+}
+
+}  // namespace
+
+double strength_of_brightness(const ScaledProblem& problem, const Regularisation& penalty,
+                              std::span<const double> prior, std::vector<double> flame,
+                              const Execution& execution) {
+  constexpr int kDraws = 8;
+  // Wide structures, which come last, hold most of the light.
+  const ProbeAccuracy accuracy{2000, 1e-5};
+  const std::vector<char> lit = lit_places(flame);
+  const auto square_of_lit = [&](std::span<const double> values) {
+    double sum = 0;
+    for (std::size_t j = 0; j < lit.size(); ++j)
+      if (lit[j]) sum += values[j] * values[j];
+    return sum;
+  };
+  for (std::size_t j = 0; j < prior.size(); ++j) flame[j] -= prior[j];
+  double drawn = 0;
+  const auto add = [&](std::span<const double> u) {
+    drawn += square_of_lit(problem.samples(u)) / kDraws;
+  };
+  draw_prior(penalty, {kDraws, 2}, add, execution, accuracy);
+  const double own = square_of_lit(flame);
+  return own > 0 ? drawn / own : std::numeric_limits<double>::max();
+}
+
+PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
+                            const ReconstructionSettings& settings, const Reconstruction& found,
+                            const Execution& execution) {
+  if (!(found.strength > 0)) return {nullptr, problem.regularisation(found.strength)};
+  const bool round = input.unknowns->begins_at_centre();
+  // One camera sees how fine the structure is, but not the depth of the light. What it cannot tell
+  // is as large as the light along its lines of sight.
+  if (input.views.size() == 1 && !round) {
+    PriorOfDraws prior;
+    const std::span<const double> weights = problem.weights();
+    prior.ratios = std::make_unique<ScaledProblem>(
+        nullptr, problem.unscaled(), std::vector<double>(weights.begin(), weights.end()),
+        shape_of(found, *input.unknowns), *input.unknowns, settings);
+    prior.penalty = prior.ratios->penalty_of_ratios(1);
+    prior.penalty.strength =
+        strength_of_brightness(*prior.ratios, prior.penalty, {}, found.values, execution);
+    return prior;
+  }
+  // Only places with light bend: the amplitude that the strength tells in the mean of all is
+  // theirs, and larger.
+  double strength = share_of_lit(found) * found.strength;
+  // Two cameras see the depth only in part, and rings look the same to every camera.
+  if (input.views.size() <= 2 || round)
+    strength = std::min(strength, strength_of_brightness(problem, problem.regularisation(1),
+                                                         input.prior, found.values, execution));
+  return {nullptr, problem.regularisation(strength)};
+}
+
+}  // namespace plenoflame
