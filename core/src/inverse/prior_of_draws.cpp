@@ -69,8 +69,8 @@ PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionIn
                             const Execution& execution) {
   if (!(found.strength > 0)) return {nullptr, problem.regularisation(found.strength)};
   const bool round = input.unknowns->begins_at_centre();
-  // One camera sees how fine the structure is, but not the depth of the light. What it cannot tell
-  // is as large as the light along its lines of sight.
+  // One camera sees how fine the structure is, but not the depth of the light: the unknown part is
+  // as large as the light along its lines of sight.
   if (input.views.size() == 1 && !round) {
     PriorOfDraws prior;
     const std::span<const double> weights = problem.weights();

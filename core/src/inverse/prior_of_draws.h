@@ -22,8 +22,8 @@ double strength_of_brightness(const ScaledProblem& problem, const Regularisation
                               std::span<const double> prior, std::vector<double> flame,
                               const Execution& execution);
 
-/// Where the views do not tell the depth of the light, the prior allows flames as bright as the
-/// found one. Else it is that of the solution.
+/// The prior allows flames as bright as the found one where the views do not tell the depth of the
+/// light. Else it is that of the solution.
 /// @param found strength, values, at_places and solved are read
 PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
                             const ReconstructionSettings& settings, const Reconstruction& found,
