@@ -124,6 +124,16 @@ if chosen lenslets-30; then
   cp out/rays.png docs/images/scripting-rays.png
 fi
 
+# ParaView (docs/user/paraview.md), where it is installed.
+paraview=$(cd "$(dirname "$plenoflame")/../.." && pwd)/paraview/plenoflame-paraview
+if chosen paraview && command -v pvpython >/dev/null && [ -x "$paraview" ]; then
+  picture=$(mktemp --suffix=.png)
+  PICTURE=$picture xvfb-run -a -s "-screen 0 1920x1080x24" "$paraview" --pvpython tools/draw_paraview.py
+  convert "$picture" -strip +dither -colors 255 PNG8:docs/images/paraview.png
+  rm "$picture"
+  echo docs/images/paraview.png
+fi
+
 # Setups with shortened distances (docs/scripting.md, docs/user/cameras.md); they need the flame of the overview.
 if chosen setups; then PLENOFLAME=$plenoflame xvfb-run -a tools/draw_setups.py; fi
 
