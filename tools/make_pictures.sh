@@ -93,6 +93,7 @@ if chosen tutorial; then
   convert out/tutorial.png -filter point -resize 300% out/panel-raw.png
   convert out/tutorial-views/contact.png -filter point -resize 500% out/panel-views.png
   join tutorial out/panel-raw.png out/panel-views.png
+  PLENOFLAME=$plenoflame tools/draw_tutorial.py
 fi
 
 # A sensor of 600 x 600 pixels: whole, and a part of it enlarged; then what becomes of it.
@@ -122,6 +123,16 @@ if chosen lenslets-30; then
   done
   cp out/render.png docs/images/scripting-render.png
   cp out/rays.png docs/images/scripting-rays.png
+fi
+
+# ParaView (docs/user/paraview.md), where it is installed.
+paraview=$(cd "$(dirname "$plenoflame")/../.." && pwd)/paraview/plenoflame-paraview
+if chosen paraview && command -v pvpython >/dev/null && [ -x "$paraview" ]; then
+  picture=$(mktemp --suffix=.png)
+  PICTURE=$picture xvfb-run -a -s "-screen 0 1920x1080x24" "$paraview" --pvpython tools/draw_paraview.py
+  convert "$picture" -strip +dither -colors 255 PNG8:docs/images/paraview.png
+  rm "$picture"
+  echo docs/images/paraview.png
 fi
 
 # Setups with shortened distances (docs/scripting.md, docs/user/cameras.md); they need the flame of the overview.

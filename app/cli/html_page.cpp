@@ -11,11 +11,13 @@
 
 #include "plenoflame/base/error.h"
 #include "plot.h"
+#include "readable.h"
 
 namespace plenoflame::cli {
 namespace {
 
-constexpr int kPanelWidth = 300;  // points
+constexpr double kPanelWidth = 300, kHighest = 450;  // points
+constexpr double kBeside = 46, kBelow = 36;          // room for axes
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -108,12 +110,56 @@ std::string colour_bar(const HeatMap& map) {
       base64(png_of(bar)), map.low, escaped(map.unit), map.high);
 }
 
+/// Marks, numbers and name of the axis below a map or, `upright`, beside it.
+std::string axis_svg(const MapAxis& axis, bool upright, double width, double height) {
+  if (axis.label.empty()) return "";
+  const double low = std::min(axis.first, axis.last), high = std::max(axis.first, axis.last);
+  const double step =
+      tick_step(high - low, upright ? 6 : std::max(1, static_cast<int>(width / 50)));
+  std::string svg;
+  for (double tick = std::ceil(low / step) * step; tick <= high; tick += step) {
+    const double share = (tick - axis.first) / (axis.last - axis.first);
+    const double x = kBeside + share * width, y = height - share * height;
+    const double value = std::fabs(tick) < 1e-9 * step ? 0 : tick;
+    svg += upright ? fmt::format(
+                         "<path d=\"M{:.1f} {:.1f}h-4\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+                         "text-anchor=\"end\">{:.6g}</text>",
+                         kBeside, y, kBeside - 6, y + 4, value)
+                   : fmt::format(
+                         "<path d=\"M{:.1f} {:.1f}v4\"/><text x=\"{:.1f}\" y=\"{:.1f}\" "
+                         "text-anchor=\"middle\">{:.6g}</text>",
+                         x, height, x, height + 16, value);
+  }
+  return svg +
+         (upright ? fmt::format("<text text-anchor=\"middle\" transform=\"translate(10 {:.1f}) "
+                                "rotate(-90)\">{}</text>",
+                                height / 2, escaped(axis.label))
+                  : fmt::format("<text text-anchor=\"middle\" x=\"{:.1f}\" y=\"{:.1f}\">{}</text>",
+                                kBeside + width / 2, height + 32, escaped(axis.label)));
+}
+
+/// The map with its axes. A tall one is narrow.
+std::string map_svg(const HeatMap& map) {
+  const bool bare = map.across.label.empty();
+  const double beside = bare ? 0 : kBeside, ratio = map.aspect * map.height / map.width;
+  const double height = std::clamp((kPanelWidth - beside) * ratio, 20.0, kHighest);
+  const double width = std::min(kPanelWidth - beside, height / ratio);
+  return fmt::format(
+      "<svg class=\"map\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">"
+      "<image x=\"{3:.0f}\" width=\"{4:.1f}\" height=\"{5:.1f}\" preserveAspectRatio=\"none\" "
+      "xlink:href=\"data:image/png;base64,{6}\"/>{7}{8}</svg>",
+      kPanelWidth, height + (bare ? 0 : kBelow), escaped(map.title), beside, width, height,
+      base64(png_of(map)), axis_svg(map.across, false, width, height),
+      axis_svg(map.up, true, width, height));
+}
+
 constexpr std::string_view kStyle =
     "body{font:15px/1.5 sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#222}"
     "table{border-collapse:collapse}td{padding:.15rem 1rem .15rem 0;vertical-align:top}"
     "td:first-child{color:#666}.maps{display:flex;flex-wrap:wrap;gap:1.2rem}"
     "figure{margin:0;width:300px}figcaption{font-weight:600}"
-    ".map{width:300px;image-rendering:pixelated;display:block;border:1px solid #ccc}"
+    ".map{display:block;font-size:12px;fill:#444;overflow:visible}.map path{stroke:#444}"
+    ".map image{image-rendering:pixelated;outline:1px solid #ccc}"
     ".bar{width:300px;height:10px;display:block;margin-top:4px}"
     ".scale{display:flex;justify-content:space-between;font-size:13px;color:#666}"
     ".plot{width:100%}";
@@ -143,15 +189,9 @@ void HtmlPage::plots(const std::vector<Plot>& plots, int columns) {
 
 void HtmlPage::heat_maps(const std::vector<HeatMap>& maps) {
   body_ += "<div class=\"maps\">\n";
-  for (const HeatMap& map : maps) {
-    const double height =
-        std::clamp(kPanelWidth * map.aspect * map.height / map.width, 20.0, 900.0);
-    body_ += fmt::format(
-        "<figure><figcaption>{}</figcaption><img class=\"map\" style=\"height:{:.0f}px\" "
-        "alt=\"{}\" "
-        "src=\"data:image/png;base64,{}\">{}</figure>\n",
-        escaped(map.title), height, escaped(map.title), base64(png_of(map)), colour_bar(map));
-  }
+  for (const HeatMap& map : maps)
+    body_ += "<figure><figcaption>" + escaped(map.title) + "</figcaption>" + map_svg(map) +
+             colour_bar(map) + "</figure>\n";
   body_ += "</div>\n";
 }
 

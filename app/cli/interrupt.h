@@ -16,7 +16,7 @@ class InterruptHandler {
   InterruptHandler& operator=(const InterruptHandler&) = delete;
 
   std::stop_token token() const { return stop_.get_token(); }
-  /// The work is done and stands: signals are ignored from here on, also after this object is gone.
+  /// The work is done and stands: ignores signals from here on, also after this object is gone.
   /// Otherwise one in the last moment would end a process whose results are there as a failure.
   void ignore_from_now();
   /// True if a signal came.

@@ -71,28 +71,54 @@ def choice(name, label, about, entries, default="0"):
                      f'<EnumerationDomain name="enum">{listed}</EnumerationDomain>')
 
 
-CHANNEL = text("Channel", "Channel", "Name of the channel; empty: the first")
+def listed(name, label, about):
+    """A text that is chosen from the list that Get<name>Names gives."""
+    return smproperty.xml(f"""
+      <StringVectorProperty name="{name}Names" command="Get{name}Names" number_of_elements="0" information_only="1"/>
+      <StringVectorProperty name="{name}" label="{label}" command="Set{name}" number_of_elements="1" default_values="">
+        <StringListDomain name="names"><RequiredProperties><Property name="{name}Names" function="{name}Names"/></RequiredProperties>
+        </StringListDomain><Documentation>{_escaped(about)}</Documentation></StringVectorProperty>""")
+
+
+CHANNEL = listed("Channel", "Channel", "Name of the channel; empty: the first")
+TIMES = smproperty.xml("""
+  <DoubleVectorProperty name="TimestepValues" command="GetTimestepValues" information_only="1" si_class="vtkSITimeStepsProperty"/>""")
 
 
 # --- sources and readers ---
 
 class _Algorithm(VTKPythonAlgorithmBase):
-    """One that reports what Plenoflame refuses in one line, and computes once for the same properties.
+    """One that reports what Plenoflame refuses in one line, and computes once for the same properties and moment.
 
     compute() gives the result, fill(result, outputs) writes it, and sizes(result) tells the points of images by port, which
-    ParaView wants to know beforehand."""
+    ParaView wants to know beforehand. steps() are the moments [s] for which there are results, none without changes."""
 
     def __init__(self, **ports):
         super().__init__(**ports)
-        self._kept = None  # (time, result)
+        self._kept = None  # ((time, moment), result)
+        self._moment = None
+
+    def steps(self):
+        return []
+
+    def GetTimestepValues(self):
+        try:
+            return self.steps()
+        except (plenoflame.Error, _core.Failure, OSError):
+            return []  # RequestData says it
+
+    def progress(self, fraction):
+        self.UpdateProgress(fraction)
+        return self.GetAbortExecute()
 
     def time(self):
         """Changes with what the result is made of."""
         return self.GetMTime()
 
     def result(self):
-        if self._kept is None or self._kept[0] != self.time():
-            self._kept = (self.time(), self.compute())
+        made_of = self.time(), self._moment
+        if self._kept is None or self._kept[0] != made_of:
+            self._kept = (made_of, self.compute())
         return self._kept[1]
 
     def sizes(self, _result):
@@ -103,12 +129,21 @@ class _Algorithm(VTKPythonAlgorithmBase):
             sizes = self.sizes(self.result())
         except (plenoflame.Error, _core.Failure, OSError):
             return 1  # RequestData says it
+        steps = self.GetTimestepValues()
+        for port in range(self.GetNumberOfOutputPorts()):
+            if steps:
+                outputs.GetInformationObject(port).Set(vtkStreamingDemandDrivenPipeline.TIME_STEPS(), steps, len(steps))
+                outputs.GetInformationObject(port).Set(vtkStreamingDemandDrivenPipeline.TIME_RANGE(), (steps[0], steps[-1]), 2)
         for port, size in sizes.items():
             extent = [bound for count in size for bound in (0, count - 1)]
             outputs.GetInformationObject(port).Set(vtkStreamingDemandDrivenPipeline.WHOLE_EXTENT(), extent, 6)
         return 1
 
     def RequestData(self, request, inputs, outputs):
+        step = vtkStreamingDemandDrivenPipeline.UPDATE_TIME_STEP()
+        asked = [port.Get(step) for port in map(outputs.GetInformationObject, range(self.GetNumberOfOutputPorts())) if port.Has(step)]
+        earlier = [moment for moment in self.GetTimestepValues() if asked and moment <= asked[0]]
+        self._moment = earlier[-1] if earlier else None  # a result lasts until the next one
         return self.reported(lambda: self.fill(self.result(), outputs))
 
     def reported(self, action):
@@ -141,7 +176,28 @@ class _OfScene(_Algorithm):
     def SetCamera(self, name):
         self.set("_camera", name or "")
 
+    def GetCameraNames(self):
+        try:
+            return self.whole_scene().cameras
+        except (plenoflame.Error, _core.Failure, OSError):
+            return []  # RequestData says it
+
+    def steps(self):
+        scene = self.whole_scene()
+        if not scene.frames:
+            return []
+        cameras = "cameras[0]" if scene.cameras[0] else "camera"
+        rates = [scene[f"{cameras}.sensor.frame_rate"]] + [scene[f"flames[{i}].frame_rate"] for i in range(scene.list_size("flames"))]
+        rate = next(float(rate) for rate in rates if float(rate) > 0)
+        return [(number - scene.frames[0]) / rate for number in scene.frames]
+
     def scene(self):
+        """That of the chosen camera at the moment."""
+        scene = self.whole_scene()
+        scene.camera_name = self._camera or scene.cameras[0]
+        return scene.at_time(self._moment or 0) if scene.frames else scene
+
+    def whole_scene(self):
         if not self._file or self._file == "None":
             raise plenoflame.Error("there is no scene: choose a scene file (.toml)")
         scene = plenoflame.Scene(self._file)
@@ -154,14 +210,12 @@ class _OfScene(_Algorithm):
             except KeyError as error:
                 raise plenoflame.Error(f"Settings: {error.args[0]}") from None
             scene[key.strip()] = value.strip()
-        if self._camera:
-            scene.camera_name = self._camera
         return scene
 
 
 SETTINGS = text("Settings", "Settings", "Values of the scene to replace, as --set of the command: KEY=VALUE, several with ; "
                 "between, e.g. camera.focus.object_distance=0.9 m; camera.sensor.columns=200. The keys: docs/reference/scene.md")
-CAMERA = text("Camera", "Camera", "Of several cameras: the name of the one that is meant")
+CAMERA = listed("Camera", "Camera", "Of several cameras: the name of the one that is meant; empty: the first")
 FILE = smproperty.xml("""
   <StringVectorProperty name="FileName" label="Scene File" command="SetFileName" number_of_elements="1" animateable="0"
       panel_visibility="default"><FileListDomain name="files"/>
@@ -219,7 +273,7 @@ class _RayBundles(_OfScene):
     def rays(self, scene):
         pixels = [self._pixel] if self._pixel != (-1, -1) else []
         if not (pixels or self._use_point or self._random or self._chief):
-            pixels = [(int(scene["camera.sensor.columns"]) // 2, int(scene["camera.sensor.rows"]) // 2)]
+            pixels = [(scene.columns // 2, scene.rows // 2)]
         return scene.rays(pixels=pixels, random=self._random, chief=self._chief,
                           points=[self._point] if self._use_point else [], rays=self._rays,
                           flame_samples=self._flame_samples, seed=self._seed)
@@ -229,6 +283,7 @@ class _RayBundles(_OfScene):
 @smproperty.xml("""<OutputPort name="Camera" index="0"/><OutputPort name="Flame" index="1"/><OutputPort name="Rays" index="2"/>""")
 @_bundles
 @whole("Resolution", "Flame Resolution", "Samples of the flames along their longest side", "96", 2)
+@TIMES
 @CAMERA
 @SETTINGS
 class PlenoflameScene(_RayBundles):
@@ -266,6 +321,7 @@ class PlenoflameScene(_RayBundles):
 
 @smproxy.source(name="PlenoflameRays", label="Plenoflame Rays")
 @_bundles
+@TIMES
 @CAMERA
 @SETTINGS
 @FILE
@@ -297,6 +353,7 @@ class _Image(_Algorithm):
 @choice("Estimator", words("render.estimator")[0], words("render.estimator")[1], ("as the scene says", "backward", "forward"))
 @whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", "-1", -1)
 @whole("Samples", words("render.samples")[0], words("render.samples")[1] + " 0: as the scene says", "0", 0)
+@TIMES
 @CAMERA
 @SETTINGS
 @FILE
@@ -323,10 +380,6 @@ class PlenoflameLightField(_Image, _OfScene):
         field = self.scene().render(self._samples, seed=self._seed, truth=self._truth, progress=self.progress,
                                     estimator=(None, "backward", "forward")[self._estimator])
         return owned(field.to_vtk())
-
-    def progress(self, fraction):
-        self.UpdateProgress(fraction)
-        return self.GetAbortExecute()
 
 
 class _File(_Image):
@@ -359,23 +412,33 @@ class PlenoflameLightFieldReader(_File):
 
 @smproxy.reader(name="PlenoflameFlameReader", label="Plenoflame Flame Reader", extensions="vdb", file_description="OpenVDB grids")
 @text("Grid", "Grid", "One grid by its name; empty: temperature [K] and absorption [1/m] of a flame")
+@TIMES
+@smproperty.xml("""
+  <StringVectorProperty name="FileName" command="AddFileName" clean_command="ClearFileNames" repeat_command="1" number_of_elements="0"
+      number_of_elements_per_command="1" animateable="0" panel_visibility="never"><FileListDomain name="files"/>
+    <Hints><FileChooser extensions="vdb" file_description="OpenVDB grids"/></Hints>
+    <Documentation>Files (.vdb), one for each whole number of the time</Documentation></StringVectorProperty>""")
 class PlenoflameFlameReader(_File):
-    """Grids of an OpenVDB file (.vdb), where its transform places them: scaled, moved, turned or sheared."""
+    """Grids of OpenVDB files (.vdb), where their transforms place them: scaled, moved, turned or sheared."""
 
     def __init__(self):
         super().__init__()
-        self._grid = ""
+        self._grid, self._files = "", []
 
-    @smproperty.stringvector(name="FileName", panel_visibility="never")
-    @smdomain.filelist()
-    @smhint.filechooser(extensions="vdb", file_description="OpenVDB grids")
-    def SetFileName(self, name):
-        self.set("_file", name or "")
+    def ClearFileNames(self):
+        self.set("_files", [])
+
+    def AddFileName(self, name):
+        self.set("_files", self._files + [name] * bool(name))
 
     def SetGrid(self, name):
         self.set("_grid", name or "")
 
+    def steps(self):
+        return [float(number) for number in range(len(self._files))] if len(self._files) > 1 else []
+
     def compute(self):
+        self._file = self._files[int(self._moment or 0)] if self._files else ""
         return owned(plenoflame.read_flame(self.name(), grid=self._grid).to_vtk())
 
 
@@ -398,6 +461,11 @@ class _Filter(_Algorithm):
 
     def SetChannel(self, name):
         self.set("_channel", name or "")
+
+    def GetChannelNames(self):
+        data = self.GetInputDataObject(0, 0) if self.GetNumberOfInputConnections(0) else None
+        names = data and data.GetFieldData().GetAbstractArray("plenoflame.channels")
+        return [names.GetValue(i) for i in range(names.GetNumberOfValues())] if names else []
 
     def FillInputPortInformation(self, _port, info):
         info.Set(self.INPUT_REQUIRED_DATA_TYPE(), "vtkImageData")
@@ -460,6 +528,7 @@ class PlenoflameViews(_Filter):
 
     def make(self, field):
         views = field.views(self._grid, spread=self._spread, white_correction=self._white, channel=self._channel,
+                            progress=self.progress,
                             resampling=("nearest", "barycentric", "paper9", "paper10")[self._resampling])
         if self._view == (-1, -1):
             picture = views.sheet
@@ -491,7 +560,7 @@ class PlenoflameRefocus(_Filter):
         self.set("_aperture", aperture)
 
     def make(self, field):
-        sharp = field.refocus(self._depth, width=self._width, aperture=self._aperture, channel=self._channel)
+        sharp = field.refocus(self._depth, width=self._width, aperture=self._aperture, channel=self._channel, progress=self.progress)
         # The picture's y runs downwards, VTK's upwards.
         return picture_to_image({"radiance": sharp.image}, sharp.pixel, (sharp.x[0], -sharp.y[-1]))
 

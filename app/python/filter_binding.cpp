@@ -11,6 +11,7 @@
 #include "figures_json.h"
 #include "light_field_camera.h"
 #include "light_field_filter.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/lightfield/develop.h"
 #include "plenoflame/lightfield/refocus.h"
 #include "plenoflame/lightfield/views.h"
@@ -32,9 +33,9 @@ class ViewsFilter : public Filter {
  public:
   void run(const Execution& execution) override {
     settings.channel = channel;
-    output = extract_views(*input,
-                           micro_.get(taken_through(*input), settings.white_correction, execution),
-                           settings, execution);
+    const MicroImages& micro = micro_.get(taken_through(*input), settings.white_correction,
+                                          part_of_progress(execution, 0, 0.5));
+    output = extract_views(*input, micro, settings, part_of_progress(execution, 0.5, 0.5));
     sheet = contact_sheet(output);
   }
   ViewSettings settings;
@@ -51,10 +52,11 @@ class RefocusFilter : public Filter {
     const TakenThrough optics = taken_through(*input);
     check_refocus_depth(Camera(optics.camera), settings.depth);
     settings.channel = channel;
-    output = refocus(*input, micro(optics, execution), settings, execution);
+    const MicroImages& images = micro(optics, execution);
+    output = refocus(*input, images, settings, part_of_progress(execution, 0.5, 0.5));
   }
   const MicroImages& micro(const TakenThrough& optics, const Execution& execution) {
-    return micro_.get(optics, true, execution);
+    return micro_.get(optics, true, part_of_progress(execution, 0, 0.5));
   }
   RefocusSettings settings;
   RefocusedImage output;
@@ -70,7 +72,8 @@ class FocusStackFilter : public RefocusFilter {
     const Camera checked(optics.camera);
     for (const double depth : depths) check_refocus_depth(checked, depth);
     settings.channel = channel;
-    stack = focus_stack(*input, micro(optics, execution), depths, settings, execution);
+    const MicroImages& images = micro(optics, execution);
+    stack = focus_stack(*input, images, depths, settings, part_of_progress(execution, 0.5, 0.5));
   }
   std::vector<double> depths;
   FocusStack stack;

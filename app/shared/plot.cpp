@@ -12,6 +12,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
+#include "readable.h"
 
 namespace plenoflame {
 namespace {
@@ -47,12 +48,7 @@ struct Axis {
   double at(double value) const {
     return begin + (place(value) - low) / (high - low) * (end - begin);
   }
-  /// Between the labels of a linear axis: 1, 2 or 5 times a power of ten.
-  double step() const {
-    const double rough = (high - low) / 7, decade = std::pow(10.0, std::floor(std::log10(rough)));
-    const double digits = rough / decade;
-    return decade * (digits < 1.5 ? 1 : digits < 3.5 ? 2 : digits < 7.5 ? 5 : 10);
-  }
+  double step() const { return tick_step(high - low, 7); }
 };
 
 Axis axis_over(const Plot& plot, bool x, double begin, double end) {

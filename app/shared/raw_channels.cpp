@@ -115,27 +115,23 @@ std::span<const SettingRow<RawPicturesRequest>> setting_rows() {
       {"channel", "NAME", "Channel of a grey picture, where the file has several", &R::channel},
       {"unit",
        "UNIT",
-       "What pixels hold: e- (electrons), W, or DN, counts above dark (e-; "
-       "with a radiometry W)",
+       "What pixels hold: e- (electrons), W, or DN, counts above dark (e-; with a radiometry W)",
        &R::unit,
        word,
        {"e-", "W", "DN"}},
       {"dark", "FILE ...",
-       "Dark frames of the same exposure; NAME=FILE: of that channel alone, as "
-       "in the options "
+       "Dark frames of the same exposure; NAME=FILE: of that channel alone, as in the options "
        "below",
        &R::dark, file},
       {"flat", "FILE ...", "Flat field: the bare sensor, evenly lit", &R::flat, file},
       {"flat-dark", "FILE ...", "Its dark frames (those of the pictures)", &R::flat_dark, file},
       {"white", "FILE ...",
-       "White picture through the whole camera: pixels become what the "
-       "camera's model would have "
+       "White picture through the whole camera: pixels become what the camera's model would have "
        "recorded",
        &R::white, file},
       {"white-dark", "FILE ...", "Its dark frames (those of the pictures)", &R::white_dark, file},
       {"defects", "MAP",
-       "Defective pixels: a picture in which they are not 0, lines column,row "
-       "(.csv), or 'auto': "
+       "Defective pixels: a picture in which they are not 0, lines column,row (.csv), or 'auto': "
        "those that shine in the dark frames",
        &R::defects, file},
       {"gain",
@@ -156,21 +152,18 @@ std::span<const SettingRow<RawPicturesRequest>> setting_rows() {
        1e6},
       {"black-level",
        "COUNTS",
-       "Counts without light, where there is no dark frame (of the camera's "
-       "file)",
+       "Counts without light, where there is no dark frame (of the camera's file)",
        &R::black_level,
        number,
        {},
        0,
        65535},
       {"exposure-time", "TIME",
-       "Of a frame (of the camera's file); NAME=TIME: of that channel's; "
-       "repeatable",
+       "Of a frame (of the camera's file); NAME=TIME: of that channel's; repeatable",
        &R::exposure_time},
       {"saturation",
        "COUNTS",
-       "Counts from which on a pixel is full (full well, or the largest "
-       "number)",
+       "Counts from which on a pixel is full (full well, or the largest number)",
        &R::saturation,
        number,
        {},
@@ -178,15 +171,13 @@ std::span<const SettingRow<RawPicturesRequest>> setting_rows() {
        65535},
       {"noise",
        "SOURCE",
-       "Errors from gain and read noise (sensor), from scatter against light "
-       "in a series (series), "
+       "Errors from gain and read noise (sensor), from scatter against light in a series (series), "
        "or from each pixel's scatter (pixel)",
        &R::noise,
        word,
        {"sensor", "series", "pixel"}},
       {"radiometry", "FILE.toml",
-       "Energy of a count, from calibrate radiometry; repeatable for several "
-       "channels",
+       "Energy of a count, from calibrate radiometry; repeatable for several channels",
        &R::radiometry, file},
       {"window", "X,Y,W,H", "Part of the sensor that the pictures hold (all)", &R::window}};
   return rows;

@@ -103,6 +103,9 @@ as_root "cmake --preset python >/dev/null && cmake --build --preset python >/dev
 as_root "apt-get -qq install -y --no-install-recommends paraview python3-paraview >/dev/null" || fail "the packages of ParaView"
 as_root "PLENOFLAME_PLUGIN=\$PWD/build/python/paraview/Plenoflame.py PLENOFLAME_COMMAND=\$PWD/build/python/app/cli/plenoflame PLENOFLAME_ROOT=\$PWD \
   python3 -B tests/paraview/run.py /usr/bin/pvpython /usr/bin/xvfb-run tests/paraview/plugin.py" || fail "the plugin in ParaView"
+as_root "PICTURE=/srv/scratch/paraview.png xvfb-run -a -s '-screen 0 1920x1080x24' \$PWD/build/python/paraview/plenoflame-paraview \
+  --pvpython tools/draw_paraview.py >/dev/null" || fail "the picture of docs/user/paraview.md"
+cp "$root/system/srv/scratch/paraview.png" "$cache"
 
 say "./demo.sh from nothing"
 enter demo
@@ -116,4 +119,4 @@ done
 say "./test.sh --quick"
 share_compiler_cache
 as_root "./test.sh --quick" || fail "test.sh"
-say "done; the pictures of demo.sh are in $cache"
+say "done; the pictures of demo.sh and of ParaView are in $cache"

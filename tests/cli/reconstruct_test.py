@@ -5,6 +5,7 @@ import json
 import math
 import os
 import pathlib
+import re
 import shutil
 import struct
 import subprocess
@@ -163,6 +164,14 @@ class Reconstruct(CommandTest):
         page = self.read("rule.html").decode()
         self.assertEqual(page.count("<h1>"), 1)
         self.assertGreater(page.count("data:image/png;base64,"), 10)
+        self.assertIn(f"<p>{found['verdict']}</p>", page)
+        self.assertIn(">radius [mm]</text>", page)
+        self.assertIn(">height [mm]</text>", page)
+        # Deviation and error of a temperature share a scale that fits them: far below the temperature itself.
+        ends = [float(end) for end in re.findall(r"<span>K</span><span>([^<]*)</span>", page)]
+        self.assertEqual(ends[0::4], ends[2::4])
+        self.assertEqual(ends[1::4], ends[3::4])
+        self.assertLess(max(ends[1::4]), 0.5 * min(ends[0::4]))
         self.assertEqual(page.count("data:image/svg+xml;base64,"), 2)
         self.assertNotIn("http", page.replace("http://www.w3.org", ""))
         self.assertIn("chi^2 per row:", self.read("rule.txt").decode())
@@ -210,6 +219,9 @@ class Reconstruct(CommandTest):
         layers, _ = self.reconstruct("front.toml", "--images", "front-electrons.exr", "--unknowns", "layers", "--grid",
                                      "8", "-o", "layers.vdb", "--report", "layers.html")
         self.assertEqual(layers["unknowns"], 8)
+        described = self.run_command("info", "layers.vdb")
+        self.assertIn("was reconstructed without an absorption", described.stdout)
+        self.assertNotIn("none", described.stdout)
         self.fails(2, "reconstruct", *self.RINGS, "--smoothing", "1,2,3", "-o", "x.vdb", mentions="2 axes of rings")
         self.fails(1, "reconstruct", *self.RINGS, "--start", "candle.vdb", "-o", "x.vdb", mentions="no grid 'emission'")
         self.fails(2, "reconstruct", *self.RINGS, "--start", "again.vdb", "--resume", "again.vdb", "-o", "x.vdb",

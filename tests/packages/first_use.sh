@@ -133,7 +133,7 @@ install /packages/plenoflame-paraview_*.deb
 cat >paraview.py <<'PYTHON'
 import glob
 import runpy
-runpy.run_path(glob.glob("/usr/lib/*/plenoflame/paraview/paper-flame.py")[0])
+state = runpy.run_path(glob.glob("/usr/lib/*/plenoflame/paraview/paper-flame.py")[0])
 from paraview.simple import GetActiveView, SaveScreenshot
 SaveScreenshot("paraview.png", GetActiveView())
 PYTHON

@@ -137,6 +137,86 @@ def test_turned_voxels_keep_their_directions():
     numpy.testing.assert_allclose(at, (1 - 4e-3, 2 + 1e-3, 3 + 9e-3), rtol=1e-12)
 
 
+def listed(source, name):
+    """What the user may choose from for a property."""
+    source.UpdatePipelineInformation()
+    source.SMProxy.UpdatePropertyInformation()
+    domain = source.GetProperty(name).SMProperty.FindDomain("vtkSMStringListDomain")
+    return [domain.GetString(i) for i in range(domain.GetNumberOfStrings())]
+
+
+def test_cameras_and_channels_are_lists():
+    several = PlenoflameScene(FileName=str(ROOT / "examples/three-cameras.toml"))
+    assert of(several, 2).GetNumberOfLines() > 0, "of the first camera"
+    assert listed(several, "Camera") == ["front", "side", "plain"], listed(several, "Camera")
+    colours = folder / "colours.toml"
+    colours.write_text(text.replace("[render]", "\n".join(f'[[channels]]\nname = "at{nm}"\nkind = "line"\nwavelength = "{nm} nm"\n'
+                                                         'width = "10 nm"\n' for nm in (500, 850)) + "[render]"))
+    field = PlenoflameLightField(SceneFile=str(colours), Settings=SETTINGS, Samples=1)
+    field.UpdatePipeline()
+    names = plenoflame.Scene(colours).channels
+    assert len(names) == 3
+    for kind in (PlenoflameViews, PlenoflameRefocus, PlenoflameDevelop):
+        filtered = kind(Input=field)
+        filtered.UpdatePipeline()
+        assert listed(filtered, "Channel") == names, (kind, listed(filtered, "Channel"))
+
+
+def test_series_of_files_and_scenes_with_time_have_steps():
+    heights = (20, 24, 28)
+    for number, height in enumerate(heights, 1):
+        command("flame", "candle", "--set", f"height={height} mm", "--voxel-size", "2 mm", "-o", f"run_{number}.vdb")
+    reader = PlenoflameFlameReader(FileName=[str(folder / f"run_{number}.vdb") for number in (1, 2, 3)])
+    reader.UpdatePipelineInformation()
+    assert list(reader.TimestepValues) == [0, 1, 2], list(reader.TimestepValues)
+
+    def sum_at(source, time, port=0):
+        source.UpdatePipeline(time)
+        return array(source.GetClientSideObject().GetOutputDataObject(port).GetPointData(), "absorption").sum()
+    for number in (3, 1, 2):
+        alone = plenoflame.flame_arrays(plenoflame.read_flame(folder / f"run_{number}.vdb"))[0]["absorption"].sum()
+        numpy.testing.assert_allclose(sum_at(reader, number - 1), alone, rtol=1e-6)
+    film = folder / "film.toml"
+    film.write_text(text[:text.index("[[flames]]")] + '[[flames]]\nkind = "vdb"\nfile = "run_#.vdb"\nframe_rate = "100 Hz"\n'
+                    'position = ["1 m", "0 m", "-16 mm"]\n' + text[text.index("[[channels]]"):])
+    whole = PlenoflameScene(FileName=str(film), Settings=SETTINGS, FlameResolution=16, Rays=2)
+    whole.UpdatePipelineInformation()
+    numpy.testing.assert_allclose(list(whole.TimestepValues), [0, 0.01, 0.02], rtol=1e-12)
+    seen = [sum_at(whole, time, 1) for time in (0, 0.01, 0.02, 0.015)]
+    assert len(set(seen)) == 3 and seen[3] == seen[1], seen
+
+
+def pixels(source, **look):
+    """A picture of a source alone, on black."""
+    view = simple.CreateView("RenderView")
+    view.ViewSize = [200, 200]
+    view.UseColorPaletteForBackground, view.Background, view.OrientationAxesVisibility = 0, (0, 0, 0), 0
+    simple.Show(source, view, **look)
+    simple.ResetCamera(view)
+    file = folder / "view.png"
+    simple.SaveScreenshot(str(file), view, ImageResolution=[200, 200])
+    simple.Delete(view)
+    from vtkmodules.vtkIOImage import vtkPNGReader
+    reader = vtkPNGReader()
+    reader.SetFileName(str(file))
+    reader.Update()
+    image = reader.GetOutput()
+    return vtk_to_numpy(image.GetPointData().GetScalars()).reshape(200, 200, -1)[..., :3].astype(float)
+
+
+def test_filters_and_rays_show_pictures():
+    source = PlenoflameLightField(SceneFile=str(scene), Settings=SETTINGS, Samples=16)
+    for shown in (PlenoflameViews(Input=source, Grid=3), PlenoflameRefocus(Input=source, Depth=0.98)):
+        seen = pixels(shown)
+        filled = (seen.max(axis=2) > 0).mean()
+        assert filled > 0.2, filled
+        assert len(numpy.unique(seen.reshape(-1, 3), axis=0)) > 20, "a flat square is no picture"
+    command("rays", scene, "--pixel", "150,150", "--rays", 8, "-o", "opened.vtp")
+    opened = OpenDataFile(str(folder / "opened.vtp"))
+    assert of(opened).GetNumberOfLines() > 0
+    assert (pixels(opened).max(axis=2) > 0).any()
+
+
 def test_properties_are_those_of_the_schema():
     about = {path: description for path, description, _, _ in _core.schema()}
     field = PlenoflameLightField()

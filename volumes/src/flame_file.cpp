@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -400,6 +401,16 @@ VdbInfo vdb_info(const std::string& path) {
     }
   const GridInfo* hot = choose(info.grids, temperature_grid_names());
   const GridInfo* sooty = choose(info.grids, absorption_grid_names());
+  constexpr std::array<std::string_view, 1> kReconstructed{"emission"};
+  info.emission_alone = hot == nullptr && sooty == nullptr && info.lines.empty() &&
+                        choose(info.grids, kReconstructed) != nullptr;
+  if (info.emission_alone) {
+    remark(
+        "grid \"emission\" was reconstructed without an absorption, so there is no temperature; in "
+        "a "
+        "scene it is the grid of an emission line");
+    return info;
+  }
   if (hot != nullptr) {
     info.temperature_grid = hot->name;
     if (hot->unit.empty())

@@ -80,7 +80,8 @@ SceneDocument read_valid_scene(const std::string& path, const std::vector<std::s
     SceneDocument document = read_scene_file(path, settings_of(settings));
     try {
       for (const SceneIssue& issue : validate(document))
-        if (warnings) warnings->push_back(to_string(issue));
+        // A file of cameras alone is complete for commands that describe cameras.
+        if (warnings && issue.code != IssueCode::no_flame) warnings->push_back(to_string(issue));
     } catch (const InputError& error) {
       // About a key that stands nowhere in the file: say at least which file.
       if (error.position().file.empty()) throw InputError(SourcePosition{path}, error.what());

@@ -18,8 +18,8 @@ void add_set_option(CLI::App& command, std::vector<std::string>& values);
 
 /// Reads and validates a scene file.
 /// @param settings of --set
-/// @param warnings if given, gets probable mistakes, one line each, with file, line and column;
-///        compile() sends the same to its execution
+/// @param warnings if given, gets probable mistakes, one line each, with file, line and column. A
+///        missing flame is none. compile() sends the same to its execution, and the missing flame
 /// @throws FileError, InputError with at least the file in front; UsageError about a setting
 SceneDocument read_valid_scene(const std::string& path,
                                const std::vector<std::string>& settings = {},

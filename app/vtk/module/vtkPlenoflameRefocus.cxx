@@ -12,6 +12,7 @@
 #include "light_field_image.h"
 #include "made_image.h"
 #include "pipeline_run.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/lightfield/refocus.h"
 
 struct vtkPlenoflameRefocus::Internals {
@@ -70,8 +71,10 @@ bool vtkPlenoflameRefocus::Make(vtkImageData& out) {
         settings.width = this->Width;
         settings.aperture = this->Aperture;
         settings.channel = this->Channel;
+        const plenoflame::MicroImages& micro = this->Internal->MicroImages.get(
+            optics, true, plenoflame::part_of_progress(execution, 0, 0.5));
         const plenoflame::RefocusedImage picture = plenoflame::refocus(
-            field, this->Internal->MicroImages.get(optics, true, execution), settings, execution);
+            field, micro, settings, plenoflame::part_of_progress(execution, 0.5, 0.5));
         this->PixelSize = picture.pixel;
         this->Corner[0] = picture.corner.x;
         this->Corner[1] = picture.corner.y;

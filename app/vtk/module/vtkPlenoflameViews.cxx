@@ -15,6 +15,7 @@
 #include "light_field_image.h"
 #include "made_image.h"
 #include "pipeline_run.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/lightfield/views.h"
 
 struct vtkPlenoflameViews::Internals {
@@ -85,10 +86,11 @@ bool vtkPlenoflameViews::Make(vtkImageData& sheet) {
         settings.resampling = resamplings[static_cast<std::size_t>(this->Resampling)];
         settings.white_correction = this->WhiteCorrection;
         settings.channel = this->Channel;
-        const plenoflame::MicroImages& micro = this->Internal->MicroImages.get(
-            plenoflame::taken_through(field), this->WhiteCorrection, execution);
-        const plenoflame::Views views =
-            plenoflame::extract_views(field, micro, settings, execution);
+        const plenoflame::MicroImages& micro =
+            this->Internal->MicroImages.get(plenoflame::taken_through(field), this->WhiteCorrection,
+                                            plenoflame::part_of_progress(execution, 0, 0.5));
+        const plenoflame::Views views = plenoflame::extract_views(
+            field, micro, settings, plenoflame::part_of_progress(execution, 0.5, 0.5));
         const char* const name = this->WhiteCorrection ? "radiance" : "flux";
         unsigned block = 0;
         for (const plenoflame::View& view : views.views) {

@@ -69,7 +69,7 @@ PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionIn
                             const Execution& execution) {
   if (!(found.strength > 0)) return {nullptr, problem.regularisation(found.strength)};
   const bool round = input.unknowns->begins_at_centre();
-  // One camera sees how fine the structure is, but not the depth of the light: the unknown part is
+  // One camera sees how fine the structure is, but not the depth of the light. The unknown part is
   // as large as the light along its lines of sight.
   if (input.views.size() == 1 && !round) {
     PriorOfDraws prior;

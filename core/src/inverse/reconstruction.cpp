@@ -36,8 +36,8 @@
 namespace plenoflame {
 namespace {
 
-/// Shares of the progress at which the rays are drawn, the strength is chosen and the solution is
-/// found. The deviations take the rest, and a test of the model a fifth of the whole.
+/// Shares of the progress at the ends of drawing rays, of choosing the strength and of solving.
+/// The deviations take the rest, and a test of the model a fifth of the whole.
 constexpr double kDrawingShare = 0.05, kChosen = 0.4, kSolved = 0.45, kUntested = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;

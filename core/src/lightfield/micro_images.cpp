@@ -11,6 +11,7 @@
 
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/camera/design.h"
 #include "plenoflame/camera/pupil_sampling.h"
 #include "plenoflame/optics/surface_shape.h"
@@ -124,7 +125,9 @@ MicroImages::MicroImages(const Camera& camera, bool white, const Execution& exec
     const CameraSpec own = single_type(camera, type), open = opened(own);
     step_[type] = table.field_step;
     nodes_[type].resize(table.nodes.size());
-    const bool done = parallel_for(execution, table.nodes.size(), [&](std::size_t i, int) {
+    const double share = 1.0 / static_cast<double>(types);
+    const Execution part = part_of_progress(execution, share * static_cast<double>(type), share);
+    const bool done = reported_parallel_for(part, table.nodes.size(), [&](std::size_t i, int) {
       const PupilNode& pupil = table.nodes[i];
       Node& node = nodes_[type][i];
       if (pupil.dark()) return;

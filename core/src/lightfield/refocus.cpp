@@ -9,6 +9,7 @@
 #include "lightfield/refocus_sums.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/first_order.h"
 
@@ -215,7 +216,7 @@ Plane accumulate(const LightField& light_field, const MicroImages& micro_images,
                      target,       polynomials,   micro_image_kernels(settings.isa),
                      settings.isa, settings.depth};
   std::vector<RefocusBand> parts(kParts, RefocusBand(target.width, target.height, square));
-  const bool done = parallel_for(execution, kParts, [&](std::size_t part, int) {
+  const bool done = reported_parallel_for(execution, kParts, [&](std::size_t part, int) {
     Scratch scratch;
     for (std::size_t k = part * places.size() / kParts; k < (part + 1) * places.size() / kParts;
          ++k)
@@ -323,7 +324,10 @@ FocusStack focus_stack(const LightField& light_field, const MicroImages& micro_i
   for (const double depth : depths) {
     RefocusSettings how = settings;
     how.depth = depth;
-    Plane plane = accumulate(light_field, micro_images, how, true, execution);
+    const double share = 1.0 / static_cast<double>(depths.size());
+    const double from = share * static_cast<double>(stack.planes.size());
+    Plane plane =
+        accumulate(light_field, micro_images, how, true, part_of_progress(execution, from, share));
     const RefocusSums& sums = plane.sums;
     if (!stack.planes.empty()) {
       const Image& first = stack.planes.front().image;

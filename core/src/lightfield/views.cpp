@@ -7,6 +7,7 @@
 #include "lightfield/view_grid.h"
 #include "lightfield/view_resampling.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 
 namespace plenoflame {
 namespace {
@@ -99,20 +100,21 @@ Views extract_views(const LightField& light_field, const MicroImages& micro_imag
   views.unit = light_field.unit + (settings.white_correction ? "/(m^2 sr)" : "");
   views.views.resize(static_cast<std::size_t>(settings.grid) *
                      static_cast<std::size_t>(settings.grid));
-  const bool done = parallel_for(execution, views.views.size(), [&](std::size_t index, int) {
-    View& view = views.views[index];
-    view.column = static_cast<int>(index) % settings.grid;
-    view.row = static_cast<int>(index) / settings.grid;
-    const double scale = settings.spread * axis.radius;
-    const auto place_of = [&](int i) { return scale * (2 * (i + 0.5) / settings.grid - 1); };
-    const Vec2 upright{place_of(view.column), place_of(view.row)};
-    view.offset = {(1 / p.x) * upright.x, (1 / p.y) * upright.y};
-    LensSamples samples(lattice.array, indices);
-    for (std::size_t k = 0; k < lenses.size(); ++k)
-      samples.at(indices[k]) =
-          sampler.sample(places[k], whites.empty() ? nullptr : &whites[k], -1.0 * upright);
-    view.image = resampled(samples, grid, settings.resampling);
-  });
+  const bool done =
+      reported_parallel_for(execution, views.views.size(), [&](std::size_t index, int) {
+        View& view = views.views[index];
+        view.column = static_cast<int>(index) % settings.grid;
+        view.row = static_cast<int>(index) / settings.grid;
+        const double scale = settings.spread * axis.radius;
+        const auto place_of = [&](int i) { return scale * (2 * (i + 0.5) / settings.grid - 1); };
+        const Vec2 upright{place_of(view.column), place_of(view.row)};
+        view.offset = {(1 / p.x) * upright.x, (1 / p.y) * upright.y};
+        LensSamples samples(lattice.array, indices);
+        for (std::size_t k = 0; k < lenses.size(); ++k)
+          samples.at(indices[k]) =
+              sampler.sample(places[k], whites.empty() ? nullptr : &whites[k], -1.0 * upright);
+        view.image = resampled(samples, grid, settings.resampling);
+      });
   if (!done) throw Cancelled();
   return views;
 }

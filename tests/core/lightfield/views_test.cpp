@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/lightfield/refocus.h"
 #include "support/approx.h"
 #include "support/cameras.h"
 
@@ -152,6 +153,29 @@ TEST_F(PaintedViews, ContactSheetHoldsEveryView) {
   EXPECT_EQ(sheet.width, 3 * view.image.width + 2);
   EXPECT_EQ(sheet.at(2 * (view.image.width + 1) + 4, view.image.height + 1 + 7),
             view.image.at(4, 7));
+}
+
+// Whoever watches sees shares of the work that rise to 1, of each step.
+TEST_F(PaintedViews, ReportTheirProgress) {
+  std::vector<double> shares;
+  Execution watched = test::one_thread();
+  watched.progress = [&](const Progress& progress) { shares.push_back(progress.fraction); };
+  const auto expect_shares = [&](const char* what) {
+    EXPECT_GT(shares.size(), 3u) << what;
+    EXPECT_TRUE(std::ranges::is_sorted(shares)) << what;
+    EXPECT_EQ(shares.empty() ? 0 : shares.back(), 1) << what;
+    shares.clear();
+  };
+  const MicroImages again(camera, false, watched);
+  expect_shares("micro-images");
+  extract_views(field, micro, settings, watched);
+  expect_shares("views");
+  RefocusSettings plane;
+  plane.depth = 1;
+  refocus(field, micro, plane, watched);
+  expect_shares("a plane");
+  focus_stack(field, micro, {0.9, 1, 1.1}, {}, watched);
+  expect_shares("a stack of planes");
 }
 
 }  // namespace

@@ -10,6 +10,8 @@
 #include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
+#include "progress_bar.h"
 #include "report.h"
 #include "run.h"
 
@@ -63,18 +65,25 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
   Execution execution;
   execution.threads = settings.raw.threads;
   execution.stop = stop;
-  const MicroImages micro = raw.micro_images(true, execution);
+  ProgressBar bar(false);
+  bar.connect(execution);
+  const Execution first = part_of_progress(execution, 0, 0.5);
+  const Execution planes_left = part_of_progress(execution, 0.5, 0.5);
+  const MicroImages micro = raw.micro_images(true, first);
   std::vector<RefocusedImage> planes;
   FocusStack stack;
   if (settings.all_in_focus) {
-    stack = focus_stack(raw.field, micro, depths, how, execution);
+    stack = focus_stack(raw.field, micro, depths, how, planes_left);
     planes = std::move(stack.planes);
   } else {
+    const double share = 1.0 / static_cast<double>(depths.size());
     for (const double depth : depths) {
       how.depth = depth;
-      planes.push_back(refocus(raw.field, micro, how, execution));
+      const double from = share * static_cast<double>(planes.size());
+      planes.push_back(refocus(raw.field, micro, how, part_of_progress(planes_left, from, share)));
     }
   }
+  bar.finish();
   std::vector<NamedImage> images;
   nlohmann::json list = nlohmann::json::array();
   for (RefocusedImage& result : planes) {

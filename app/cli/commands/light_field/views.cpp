@@ -8,6 +8,9 @@
 #include "commands/render/light_field_output.h"
 #include "file_set.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
+#include "progress_bar.h"
+#include "readable.h"
 #include "report.h"
 #include "run.h"
 
@@ -44,8 +47,12 @@ int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
   Execution execution;
   execution.threads = settings.raw.threads;
   execution.stop = stop;
-  const MicroImages micro = raw.micro_images(how.white_correction, execution);
-  const Views views = extract_views(raw.field, micro, how, execution);
+  ProgressBar bar(false);
+  bar.connect(execution);
+  const MicroImages micro =
+      raw.micro_images(how.white_correction, part_of_progress(execution, 0, 0.5));
+  const Views views = extract_views(raw.field, micro, how, part_of_progress(execution, 0.5, 0.5));
+  bar.finish();
   std::vector<NamedImage> images{{"contact", contact_sheet(views), {}}};
   if (!settings.sheet_only)
     for (const View& view : views.views) {
@@ -82,9 +89,7 @@ int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
              "size", {first.width, first.height});
   report.add("channel", how.channel, "channel", how.channel);
   report.add("resampling", settings.views.resampling, "resampling", settings.views.resampling);
-  char text[60];
-  std::snprintf(text, sizeof text, "%.4g %s", white, views.unit.c_str());
-  report.add("white in the pictures", text, "white", white);
+  report.add("white in the pictures", readable_in(white, views.unit), "white", white);
   report.add_json("unit", views.unit);
   nlohmann::json list = nlohmann::json::array();
   for (const View& view : views.views)

@@ -32,6 +32,32 @@ std::vector<Slice> slices(const Unknowns& unknowns, const std::vector<double>& e
   return {{"front", 1, 2, at}, {"side", 0, 2, at}, {"from above", 0, 1, at}};
 }
 
+/// The axis of the unknowns along a side of a slice, in mm. Its numbers are those of the world if
+/// it lies along one of the world's axes, else they count from the first unknown.
+MapAxis axis_of(const Unknowns& unknowns, const Slice& slice, std::size_t side) {
+  const std::array<int, 3> shape = unknowns.shape();
+  const double spacing = 1e3 * unknowns.spacing()[side];
+  MapAxis axis{"along the grid [mm]", -0.5 * spacing, (shape[side] - 0.5) * spacing};
+  if (unknowns.begins_at_centre()) {
+    axis.label = side == 0 ? "radius [mm]" : "height [mm]";
+    return axis;
+  }
+  std::array<int, 3> from = slice.at, to = slice.at;
+  from[side] = 0, to[side] = shape[side] - 1;
+  const auto place = [&](const std::array<int, 3>& at) {
+    return unknowns.place(static_cast<std::size_t>((at[0] * shape[1] + at[1]) * shape[2] + at[2]));
+  };
+  const Vec3 first = place(from), way = place(to) - first;
+  const std::array along{way.x, way.y, way.z}, start{first.x, first.y, first.z};
+  for (std::size_t k = 0; k < 3; ++k)
+    if (std::fabs(along[k]) > 0.999999 * length(way)) {
+      const double edge = std::copysign(0.5 * spacing, along[k]);
+      axis = {std::string{"xyz"[k]} + " [mm]", 1e3 * start[k] - edge,
+              1e3 * (start[k] + along[k]) + edge};
+    }
+  return axis;
+}
+
 /// The values of a plane, without title, unit and limits.
 HeatMap map_of(const Unknowns& unknowns, const std::vector<double>& values, const Slice& slice) {
   const std::array<int, 3> shape = unknowns.shape();
@@ -39,6 +65,8 @@ HeatMap map_of(const Unknowns& unknowns, const std::vector<double>& values, cons
   map.width = shape[slice.across];
   map.height = shape[slice.up];
   map.aspect = unknowns.spacing()[slice.up] / unknowns.spacing()[slice.across];
+  map.across = axis_of(unknowns, slice, slice.across);
+  map.up = axis_of(unknowns, slice, slice.up);
   for (int row = map.height - 1; row >= 0; --row)
     for (int column = 0; column < map.width; ++column) {
       std::array<int, 3> at = slice.at;
@@ -58,14 +86,35 @@ struct Field {
   double low = 0;  ///< end of the colours
 };
 
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
 /// Values whose deviation is a half of them or more are not shown.
 std::vector<double> known_values(const Field& field) {
   constexpr double kHardlyKnown = 0.5;
   std::vector<double> values = field.found;
   for (std::size_t j = 0; j < field.deviation.size(); ++j)
-    if (field.deviation[j] > kHardlyKnown * values[j])
-      values[j] = std::numeric_limits<double>::quiet_NaN();
+    if (field.deviation[j] > kHardlyKnown * values[j]) values[j] = kNaN;
   return values;
+}
+
+/// Found value minus truth; no numbers where the flame is dark or the value is not shown.
+std::vector<double> errors_of(const std::vector<double>& known, const std::vector<double>& truth) {
+  std::vector<double> errors(known.size(), kNaN);
+  for (std::size_t j = 0; j < known.size(); ++j)
+    if (truth[j] > 0) errors[j] = known[j] - truth[j];
+  return errors;
+}
+
+/// The largest size of values where the flame emits at least a twentieth of its maximum: elsewhere
+/// they may be any.
+double size_where_lit(const std::vector<double>& values, const std::vector<double>& emission) {
+  constexpr double kLit = 0.05;
+  const double least = kLit * *std::ranges::max_element(emission);
+  double size = 0;
+  for (std::size_t j = 0; j < values.size(); ++j)
+    if (emission[j] >= least && std::isfinite(values[j]))
+      size = std::max(size, std::fabs(values[j]));
+  return size;
 }
 
 /// The value, its deviation and its error beside the truth, the last two on one scale.
@@ -75,9 +124,12 @@ void add_field(HtmlPage& html, const ReconstructPage& page, const Field& field) 
       field.truth && !field.truth->empty() ? field.truth : nullptr;
   const double high = *std::ranges::max_element(truth ? *truth : field.found);
   if (!(high > field.low)) return;
-  const double reach = 0.2 * (high - field.low);
   const std::vector<double> known = known_values(field);
-  for (const Slice& slice : slices(page.unknowns, page.result.estimate.emission)) {
+  const std::vector<double> errors = truth ? errors_of(known, *truth) : std::vector<double>{};
+  const std::vector<double>& emission = page.result.estimate.emission;
+  const double reach =
+      std::max(size_where_lit(field.deviation, emission), size_where_lit(errors, emission));
+  for (const Slice& slice : slices(page.unknowns, emission)) {
     const auto map = [&](const std::string& title, const std::vector<double>& values, double low,
                          double top) {
       HeatMap made = map_of(page.unknowns, values, slice);
@@ -91,10 +143,7 @@ void add_field(HtmlPage& html, const ReconstructPage& page, const Field& field) 
     if (!field.deviation.empty()) maps.push_back(map("deviation", field.deviation, 0, reach));
     if (truth) {
       maps.push_back(map("truth", *truth, field.low, high));
-      std::vector<double> difference;
-      for (std::size_t j = 0; j < field.found.size(); ++j)
-        difference.push_back((*truth)[j] > 0 ? field.found[j] - (*truth)[j] : 0);
-      maps.push_back(map("error", difference, -reach, reach));
+      maps.push_back(map("error", errors, -reach, reach));
       maps.back().signed_values = true;
     }
     html.heat_maps(maps);
@@ -199,7 +248,10 @@ std::string reconstruct_page(const ReconstructPage& page) {
   const Reconstruction& figures = page.result.figures;
   const FlameEstimate& estimate = page.result.estimate;
   HtmlPage html("Reconstruction");
-  html.table(page.report.lines());
+  std::vector<std::pair<std::string, std::string>> lines = page.report.lines();
+  html.paragraph(lines.at(0).second);  // the verdict
+  lines.erase(lines.begin());
+  html.table(lines);
   html.heading("What was found");
   const FlameTruth* const truth = page.truth;
   if (page.unknowns.shape()[1] < 2) {

@@ -15,8 +15,9 @@ struct ReconstructPage {
   const FlameTruth* truth = nullptr;  ///< nullptr: not known
 };
 
-/// The report as a page of HTML that needs no other file. It shows figures, slices (beside the
-/// truth), the unexplained part of each picture, the tested strengths and the history.
+/// The report as a page of HTML that needs no other file. It begins with the verdict. It shows
+/// figures, slices (beside the truth), the unexplained part of each picture, the tested strengths
+/// and the history.
 std::string reconstruct_page(const ReconstructPage& page);
 
 }  // namespace plenoflame::cli

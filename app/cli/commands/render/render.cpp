@@ -227,8 +227,8 @@ std::string frame_line(const std::string& file, const RenderStatistics& s, doubl
 
 constexpr double kNoTruth = -1;
 
-/// Adds layers of ground truth. A run that is stopped goes without them: they take long, and what
-/// was rendered is to be saved.
+/// Adds layers of ground truth. A stopped run goes without them: they take long, and the picture
+/// has to be saved.
 /// @return seconds, or kNoTruth when it was stopped
 double add_truth(const CompiledScene& compiled, LightField& light_field,
                  const Execution& execution) {

@@ -62,11 +62,12 @@ void describe_vdb(const std::string& path, Report& report) {
     grids.push_back(grid_json(grid));
   }
   report.add_json("grids", grids);
-  const auto taken = [](const std::string& name) { return name.empty() ? "none" : name; };
-  report.add("temperature from", taken(info.temperature_grid), "temperature_grid",
-             info.temperature_grid);
-  report.add("absorption from", taken(info.absorption_grid), "absorption_grid",
-             info.absorption_grid);
+  const auto add_source = [&](const std::string& label, const std::string& grid) {
+    report.add_json(label + "_grid", grid);
+    if (!info.emission_alone) report.add_text(label + " from", grid.empty() ? "none" : grid);
+  };
+  add_source("temperature", info.temperature_grid);
+  add_source("absorption", info.absorption_grid);
   nlohmann::json lines = nlohmann::json::array();
   for (const VdbInfo::Line& line : info.lines) {
     report.add_text("emission line from", line.grid + " (kind = \"" + line.kind + "\")");

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kCoarseSide = 200;  ///< large pixels along the longer side, about
 
-/// Flames are taken over from the scene that is being rendered: nothing is read twice.
+/// Takes flames over from the scene that renders now, so that nothing is read twice.
 std::shared_ptr<const Medium> no_flame(const FlameSpec&, const std::string&,
                                        const std::vector<SourceFunction>&, const Execution&) {
   throw InputError("a flame of the coarse picture is not that of the scene");

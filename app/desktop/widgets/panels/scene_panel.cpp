@@ -205,7 +205,7 @@ void ScenePanel::finish_editing() {
   if (tree_->isAncestorOf(QApplication::focusWidget())) tree_->setFocus();
 }
 
-/// The value that names a file that cannot be read is opened to view, without being selected.
+/// Opens the value to view that names an unreadable file, without selecting it.
 void ScenePanel::reveal_unreadable() {
   for (const SceneIssue& issue : document_.issues()) {
     if (!issue.is_error || issue.key.empty()) continue;

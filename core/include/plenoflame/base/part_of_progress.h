@@ -1,4 +1,6 @@
 #pragma once
+#include <mutex>
+
 #include "plenoflame/base/execution.h"
 
 namespace plenoflame {
@@ -27,6 +29,18 @@ inline Execution part_of_progress(const Execution& execution, double from, doubl
       execution.progress(progress);
     };
   return part;
+}
+
+/// parallel_for() that reports the share of the finished tasks.
+inline bool reported_parallel_for(const Execution& execution, std::size_t count,
+                                  const std::function<void(std::size_t, int)>& task) {
+  std::mutex mutex;
+  std::size_t finished = 0;
+  return parallel_for(execution, count, [&](std::size_t index, int worker) {
+    task(index, worker);
+    const std::lock_guard lock(mutex);
+    report_fraction(execution, static_cast<double>(++finished) / static_cast<double>(count));
+  });
 }
 
 }  // namespace plenoflame

@@ -171,7 +171,7 @@ void MediumBehindWindows::run(const RayBatch<Real>& rays, const MediumOptions& o
                               RadianceBatch<Real> out, MediumCounters& counters) const {
   const auto count = static_cast<std::size_t>(rays.size);
   constexpr std::size_t kArrays = 7, kAlignment = 64 / sizeof(Real);
-  // Rays are written before they are read, so the memory is not cleared.
+  // Each ray is written before it is read, so the memory needs no clearing.
   const std::unique_ptr<Real[]> storage(new Real[kArrays * count + kAlignment]);
   const std::unique_ptr<int[]> odd(new int[count]);
   void* aligned = storage.get();

@@ -201,8 +201,8 @@ void apply_setting(const std::string& setting, SceneInReading& reading) {
   }
 }
 
-/// Tells whether a setting is about a key of this camera. One whose path cannot be taken apart is
-/// about none, and is reported when the rest is applied.
+/// Tells whether a setting is about a key of this camera. A setting with an
+/// invalid path is about none; applying the settings reports it.
 bool is_about_camera(const std::string& setting, const Scene& scene, std::size_t number) {
   try {
     const std::vector<Step> steps = steps_of(path_of(setting));

@@ -20,6 +20,7 @@ struct VdbInfo {
     std::string grid, kind;
   };
   std::vector<Line> lines;
+  bool emission_alone = false;  ///< a reconstruction without absorption, so without temperatures
   /// Remarks for the user: missing grids, units that are not stated, suspicious ranges; one
   /// sentence each.
   std::vector<std::string> remarks;
