@@ -37,7 +37,16 @@ class SettingNames {
 };
 
 /// The kinds of texts that settings take.
-enum class SettingKind { text, word, whole, number, flag, lengths, file };
+enum class SettingKind {
+  text,
+  word,
+  whole,
+  number,
+  flag,
+  lengths,
+  sides,  ///< two whole numbers, "9x6"
+  file
+};
 
 /// A setting, for front ends that list them.
 struct SettingFacts {
@@ -46,7 +55,7 @@ struct SettingFacts {
   std::string help;       ///< with the default in parentheses
   std::string value;      ///< the default as text; empty: none
   SettingKind kind = SettingKind::text;
-  bool repeated = false;
+  bool repeated = false, required = false;
 };
 
 /// A setting of a request, and where its value is kept.
@@ -61,6 +70,7 @@ struct SettingRow {
   SettingKind kind = SettingKind::text;
   std::vector<std::string> words = {};  ///< that it takes; empty: any
   double least = 0, greatest = 2e9;     ///< of a number
+  bool required = false;
 };
 
 /// The rows of a request. Specialised beside each request.
@@ -72,7 +82,7 @@ std::string text_of_number(double value);
 
 template <class Request>
 SettingFacts facts_of(const SettingRow<Request>& row) {
-  SettingFacts facts{row.name, row.form, std::string(row.help), "", row.kind, false};
+  SettingFacts facts{row.name, row.form, std::string(row.help), "", row.kind, false, row.required};
   const Request plain;
   std::visit(
       [&](auto field) {
