@@ -63,7 +63,8 @@ vtk           xauth                    xvfb-run
 vtk           libgl1-mesa-dri          software rendering
 vtk           python3-matplotlib       examples in Python
 pybind        pybind11-dev             Python package without VTK (pip install .)
-pybind        python3-dev              the same
+pybind        libnlopt-dev             its optimiser
+pybind        python3-dev              Python package without VTK (pip install .)
 pybind        python3-numpy            arrays of the Python package
 pybind        python3-pip              pip install .
 pybind        python3-venv             pip install . into a folder of its own

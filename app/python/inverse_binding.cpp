@@ -245,6 +245,7 @@ void bind_settings(py::module_& module) {
       .value("number", SettingKind::number)
       .value("flag", SettingKind::flag)
       .value("lengths", SettingKind::lengths)
+      .value("sides", SettingKind::sides)
       .value("file", SettingKind::file);
   module.def("operator_settings", &settings_of<OperatorRequest>);
   module.def("reconstruct_settings", &settings_of<ReconstructRequest>);

@@ -1,5 +1,5 @@
-// Frames of a sensor, temperatures and ground truth of light fields. Light
-// fields of several others, and cameras of calibration files.
+// Frames of a sensor, temperatures and ground truth of light fields. Light fields of several
+// others.
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -15,7 +15,6 @@
 #include "arrays.h"
 #include "light_field_camera.h"
 #include "light_field_filter.h"
-#include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/lightfield/colour.h"
 #include "plenoflame/lightfield/ground_truth.h"
@@ -24,15 +23,8 @@
 #include "plenoflame/render/merge.h"
 #include "plenoflame/render/pattern_images.h"
 #include "plenoflame/render/projections.h"
-#include "plenoflame/scene/cameras.h"
-#include "plenoflame/scene/imported_camera.h"
-#include "plenoflame/scene/scene_file.h"
-#include "radiometry_calibration.h"
-#include "raw_pictures.h"
 #include "scene_handle.h"
-#include "setting_tuples.h"
 #include "values.h"
-#include "white_calibration.h"
 
 namespace plenoflame::python {
 namespace {
@@ -203,79 +195,6 @@ py::tuple projection_arrays(const TruthFilter& truth) {
       column<double>(all, 1, [&](const One& p, int) { return light(p).share; }));
 }
 
-/// Works on a real camera's pictures.
-template <class Request>
-class CameraPictures : public Runnable {
- public:
-  CameraPictures() { request.files.names = kNames; }
-  void set_option(const std::string& name, const std::string& text) {
-    if (!set_setting(request, kNames, name, text) &&
-        !set_setting(request.files, kNames, name, text))
-      throw UsageError("there is no setting " + kNames(name));
-  }
-  SceneDocument document() const {
-    SceneDocument found = for_camera(camera->document(), camera->camera());
-    check_camera_of(found, "the camera's scene");
-    return found;
-  }
-  std::shared_ptr<SceneHandle> camera;  ///< null: it is not known
-  Request request;
-  std::string figures;
-};
-
-class RawImport : public CameraPictures<RawPicturesRequest> {
- public:
-  void run(const Execution& execution) override {
-    RawPictures found = import_pictures(request, document(), execution);
-    figures = found.report.json_text();
-    output = std::make_shared<LightField>(std::move(found.light_field));
-  }
-  Field output;
-};
-
-class RadiometryRun : public CameraPictures<RadiometryRequest> {
- public:
-  void run(const Execution& execution) override {
-    const RadiometryCalibration found = calibrate_radiometry(request, document(), execution);
-    figures = found.report.json_text();
-    output = radiometry_text(found.table);
-  }
-  std::string output;
-};
-
-class WhiteRun : public CameraPictures<WhiteRequest> {
- public:
-  void run(const Execution& execution) override {
-    const SceneDocument known = camera ? document() : SceneDocument();
-    WhiteCalibration found = calibrate_white(request, camera ? &known : nullptr, execution);
-    figures = found.report.json_text();
-    output = {std::move(found.camera), std::move(found.centres), std::move(found.radii)};
-  }
-  std::array<std::string, 3> output;  ///< scene, tables of centres and radii
-};
-
-/// @param pictures the list that takes the pictures themselves
-template <class Run, class Request>
-void bind_pictures(py::module_& module, const char* name,
-                   std::vector<std::string> Request::*pictures) {
-  py::class_<Run, Runnable>(module, name)
-      .def(py::init<>())
-      .def_readwrite("camera", &Run::camera)
-      .def("add_picture",
-           [pictures](Run& r, const std::string& file) { (r.request.*pictures).push_back(file); })
-      .def("set_option", [](Run& r, const std::string& setting,
-                            const std::string& text) { r.set_option(setting, text); })
-      .def_static("settings",
-                  [] {
-                    py::list list;
-                    add_settings<Request>(list);
-                    add_settings<RawFileOptions>(list);
-                    return list;
-                  })
-      .def_property_readonly("figures", [](const Run& r) { return r.figures; })
-      .def_property_readonly("output", [](const Run& r) { return r.output; });
-}
-
 /// Merges light fields: files, and such in memory.
 class Merge : public Runnable {
  public:
@@ -357,16 +276,6 @@ void bind_pyrometry(py::module_& module) {
       });
 }
 
-/// @param settings "KEY=VALUE" of the scene
-py::tuple camera_from(const std::vector<std::string>& files,
-                      const std::vector<std::string>& settings, const std::string& format) {
-  SceneSettings values;
-  values.values = settings;
-  values.option = "values";
-  const ImportedScene found = import_camera_scene(files, values, format);
-  return py::make_tuple(write_scene(found.scene), found.formats, found.notes, found.warnings);
-}
-
 }  // namespace
 
 void bind_measurements(py::module_& module) {
@@ -380,9 +289,6 @@ void bind_measurements(py::module_& module) {
       .def_property_readonly("micro_images", &micro_image_arrays)
       .def_property_readonly("projections", &projection_arrays)
       .def_readonly("with_rays", &TruthFilter::with_rays);
-  bind_pictures<RawImport>(module, "RawImport", &RawPicturesRequest::raw);
-  bind_pictures<RadiometryRun>(module, "Radiometry", &RadiometryRequest::sources);
-  bind_pictures<WhiteRun>(module, "White", &WhiteRequest::white);
   py::class_<Merge, Runnable>(module, "Merge")
       .def(py::init<>())
       .def_readwrite("inputs", &Merge::inputs)
@@ -392,8 +298,6 @@ void bind_measurements(py::module_& module) {
       .def_readwrite("scene", &Corners::scene)
       .def_readwrite("rays", &Corners::rays)
       .def_property_readonly("output", &corner_arrays);
-  module.def("import_camera", &camera_from, py::arg("files"), py::arg("settings"),
-             py::arg("format"));
   module.def(
       "seconds", [](const std::string& text) { return parse_quantity(text, Dimension::time); },
       py::arg("text"));

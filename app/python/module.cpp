@@ -61,6 +61,7 @@ PYBIND11_MODULE(_core, module) {
   bind_camera(module);
   bind_light_field(module);
   bind_light_field_filters(module);
+  bind_calibrations(module);
   bind_measurements(module);
   bind_rays(module);
   bind_ray_stream(module);

@@ -27,6 +27,7 @@ void bind_camera(pybind11::module_& module);
 void bind_scene(pybind11::module_& module);
 void bind_light_field(pybind11::module_& module);
 void bind_light_field_filters(pybind11::module_& module);
+void bind_calibrations(pybind11::module_& module);
 void bind_measurements(pybind11::module_& module);
 void bind_rays(pybind11::module_& module);
 void bind_ray_stream(pybind11::module_& module);

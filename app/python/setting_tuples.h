@@ -7,13 +7,13 @@
 
 namespace plenoflame::python {
 
-/// Adds rows as tuples: name, form, help, default, kind, repeated.
+/// Adds rows as tuples: name, form, help, default, kind, repeated, required.
 template <class Request>
 void add_settings(pybind11::list& list) {
   for (const SettingRow<Request>& row : setting_rows<Request>()) {
     const SettingFacts facts = facts_of(row);
     list.append(pybind11::make_tuple(std::string(facts.name), std::string(facts.form), facts.help,
-                                     facts.value, facts.kind, facts.repeated));
+                                     facts.value, facts.kind, facts.repeated, facts.required));
   }
 }
 

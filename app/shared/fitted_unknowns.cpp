@@ -50,9 +50,8 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
     const CameraRays rays = rays_of_form(OperatorForm::automatic, views, box, how, quiet);
     const std::vector<double> outside = light_outside(views, measurements, rays, how.bin);
     if (std::ranges::all_of(outside, [](double share) { return share <= kLightCut; })) return {};
-  } else if (!request.centre.empty()) {
-    const auto [x, y, z] = point_option(request.names("center"), request.centre);
-    box = {{x, y, z}, {x, y, z}};
+  } else if (request.centre) {
+    box = {*request.centre, *request.centre};
   }
   const auto channel = static_cast<int>(cameras.channels[0]);
   try {

@@ -1,9 +1,11 @@
 #include "number_rows.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
-#include "plenoflame/base/error.h"
 #include "plenoflame/image/text_file.h"
 
 namespace plenoflame {
@@ -42,7 +44,15 @@ Cells cells_of(std::string_view line) {
 
 }  // namespace
 
-std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t count,
+int NumberRow::whole(std::size_t column) const {
+  const double value = values[column];
+  if (value != std::floor(value) || std::fabs(value) > 1e8)
+    throw InputError(at, fmt::format("{:g} is not a whole number", value));
+  return static_cast<int>(value);
+}
+
+std::vector<NumberRow> read_number_rows(const std::string& path,
+                                        std::initializer_list<std::size_t> counts,
                                         std::string_view what) {
   const std::string text = read_text_file(path);
   std::string_view rest = text;
@@ -54,8 +64,11 @@ std::vector<NumberRow> read_number_rows(const std::string& path, std::size_t cou
     line = trimmed(line.substr(0, line.find('#')));
     if (line.empty()) continue;
     Cells cells = cells_of(line);
-    if (cells.numbers && cells.values.size() == count)
-      rows.push_back({number, std::move(cells.values)});
+    const std::size_t count = cells.values.size();
+    const bool wanted =
+        rows.empty() ? std::ranges::count(counts, count) > 0 : rows.front().values.size() == count;
+    if (cells.numbers && wanted)
+      rows.push_back({{path, number}, std::move(cells.values)});
     else if (number > 1 || !cells.words)
       throw InputError(SourcePosition{path, number}, "this is not " + std::string(what));
   }

@@ -83,8 +83,6 @@ void check_operator(const OperatorRequest& request) {
   if (request.unknowns.fits_axis())
     throw UsageError(request.unknowns.names("axis", "fit") +
                      " needs pictures, as in reconstruct; give a direction");
-  CameraRaySettings ignored;
-  rows_option(request.unknowns.names, request.bin, request.cells, ignored);
 }
 
 std::unique_ptr<OperatorProblem> make_operator_problem(
@@ -95,7 +93,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   const CompiledScene& scene = *scenes.front();
   CameraRaySettings how;
   how.samples = request.rays;
-  rows_option(request.unknowns.names, request.bin, request.cells, how);
+  take_rows(request, how);
   how.seed = request.seed.value_or(scene.scene.render.seed);
   std::size_t channel = 0;
   if (!request.channel.empty()) {
@@ -140,13 +138,11 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
 
 std::string operator_work(const OperatorRequest& request,
                           const std::vector<const CompiledScene*>& scenes) {
-  const UnknownsRequest& unknowns = request.unknowns;
-  std::string text = fmt::format("{}\n{}\n{}\n{}\n", request.rays, request.bin, request.cells,
-                                 request.seed ? std::to_string(*request.seed) : "");
-  for (const std::string* word :
-       {&unknowns.kind, &unknowns.grid, &unknowns.centre, &unknowns.size, &unknowns.axis,
-        &unknowns.basis, &unknowns.absorption, &request.channel})
-    text += *word + '\n';
+  std::string text;
+  for (const auto& row : setting_rows<UnknownsRequest>())
+    text += text_of_row(row, request.unknowns) + '\n';
+  for (const auto& row : setting_rows<OperatorRequest>())
+    if (row.name != "form") text += text_of_row(row, request) + '\n';
   for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
   return text;
 }

@@ -17,7 +17,7 @@ struct OperatorRequest {
   UnknownsRequest unknowns;
   std::string channel = {};  ///< empty: the first
   int rays = 64;
-  std::string bin = "1";
+  int bin = 1;  ///< of rows: N, kMicroImage, kView
   int cells = 3;
   std::optional<std::uint64_t> seed = {};  ///< nothing: the scene's
   std::string form = "auto";

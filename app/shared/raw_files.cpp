@@ -37,7 +37,8 @@ std::span<const SettingRow<RawFileOptions>> setting_rows() {
   using R = RawFileOptions;
   using enum SettingKind;
   static const std::vector<SettingRow<R>> rows{
-      {"size", "WxH", "Columns and rows of files that hold numbers without a header", &R::size},
+      {"size", "WxH", "Columns and rows of files that hold numbers without a header", &R::size,
+       sides},
       {"bits",
        "N",
        "Bits of a number, e.g. 12 in 16 (those of the file); in headerless "

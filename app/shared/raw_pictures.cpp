@@ -41,11 +41,11 @@ std::vector<std::uint8_t> defects_of(const RawPicturesRequest& arguments, const 
   const std::filesystem::path path(arguments.defects);
   if (path.extension() == ".csv" || path.extension() == ".txt") {
     for (const NumberRow& row :
-         read_number_rows(arguments.defects, 2, "a defective pixel: column,row")) {
+         read_number_rows(arguments.defects, {2}, "a defective pixel: column,row")) {
       const double x = row.values[0], y = row.values[1];
       if (x != std::floor(x) || y != std::floor(y) || x < 0 || y < 0 || x >= raw.width ||
           y >= raw.height)
-        throw InputError({arguments.defects, row.line, 0}, "not a pixel of the picture");
+        throw InputError(row.at, "not a pixel of the picture");
       defects[static_cast<std::size_t>(y) * static_cast<std::size_t>(raw.width) +
               static_cast<std::size_t>(x)] = 1;
     }

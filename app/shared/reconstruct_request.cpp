@@ -268,7 +268,7 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   ReconstructionSettings result;
   result.rays.samples = request.rays;
   result.rays.seed = seed;
-  rows_option(names, request.bin, request.cells, result.rays);
+  take_rows(request, result.rays);
   result.solver = solvers().at(request.solver);
   result.penalty_axes = smoothing_of(request);
   result.strength = request.strength.value_or(-1);

@@ -38,7 +38,7 @@ struct ReconstructRequest {
   std::optional<double> relaxation = {};
   std::string prior, start, resume;  ///< files
   int rays = 64;
-  std::string bin = "1";
+  int bin = 1;  ///< of rows: N, kMicroImage, kView
   int cells = 3, draws = 30, probes = 16;
   std::vector<std::string> spreads;
   std::string refine;  ///< "exposure,pose,focus,axis", or some of them

@@ -1,5 +1,5 @@
 #pragma once
-#include <string>
+#include <algorithm>
 
 #include "plenoflame/inverse/camera_rays.h"
 #include "plenoflame/render/render.h"
@@ -7,11 +7,15 @@
 
 namespace plenoflame {
 
+/// Pixels of a row: N x N, or these.
+inline constexpr int kMicroImage = -1, kView = -2;
+
 /// Sets the pixels that make a row of a linear problem.
-/// @param bin N: blocks of N x N pixels; "micro-image"; "view": cells of each micro-image
-/// @param cells of "view", along each side @throws UsageError
-void rows_option(const SettingNames& names, const std::string& bin, int cells,
-                 CameraRaySettings& rays);
+template <class Request>
+void take_rows(const Request& request, CameraRaySettings& rays) {
+  rays.bin = std::max(request.bin, 1);
+  rays.cells = request.bin == kView ? request.cells : request.bin == kMicroImage ? 1 : 0;
+}
 
 /// The rows of settings that operators and reconstructions share.
 template <class Request>
@@ -27,10 +31,15 @@ SettingRow<Request> rays_row() {
 }
 template <class Request>
 SettingRow<Request> bin_row() {
-  return {"bin", "N|micro-image|view",
+  return {"bin",
+          "N|micro-image|view",
           "Pixels of a row: N for blocks of N x N, micro-image, or view: cells within each "
           "micro-image",
-          &Request::bin};
+          &Request::bin,
+          SettingKind::text,
+          {"micro-image", "view"},
+          1,
+          10000};
 }
 template <class Request>
 SettingRow<Request> cells_row() {

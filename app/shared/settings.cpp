@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <sstream>
 
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -33,8 +34,17 @@ std::string SettingNames::message(const Error& error) const {
   return text + ')';
 }
 
-std::string text_of_number(double value) {
-  return fmt::format("{:g}", value);
+std::string setting_text(double value) {
+  return fmt::format("{}", value);
+}
+std::string setting_text(std::uint64_t value) {
+  return fmt::format("{}", value);
+}
+std::string setting_text(const std::vector<int>& value) {
+  return fmt::format("{}", fmt::join(value, ","));
+}
+std::string setting_text(const Vec3& value) {
+  return fmt::format("{} m, {} m, {} m", value.x, value.y, value.z);
 }
 
 void SettingReader::to(std::string& value, const std::vector<std::string>& words) const {
@@ -42,8 +52,26 @@ void SettingReader::to(std::string& value, const std::vector<std::string>& words
   value = text_;
 }
 
-void SettingReader::to(int& value, double least, double greatest) const {
-  value = whole_number_option(setting_, text_, static_cast<int>(least), static_cast<int>(greatest));
+void SettingReader::to(int& value, const std::vector<std::string>& words, double least,
+                       double greatest) const {
+  const auto word = std::ranges::find(words, text_);
+  value = word != words.end() ? -1 - static_cast<int>(word - words.begin())
+                              : whole_number_option(setting_, text_, static_cast<int>(least),
+                                                    static_cast<int>(greatest));
+}
+
+void SettingReader::to(std::vector<int>& values, double least, double greatest) const {
+  values.clear();
+  std::istringstream words(text_);
+  for (std::string word; std::getline(words, word, ',');)
+    SettingReader(setting_, word).to(values.emplace_back(), {}, least, greatest);
+}
+
+void SettingReader::to(std::optional<Vec3>& value, const std::vector<std::string>& words) const {
+  value.reset();
+  if (text_.empty() || std::ranges::count(words, text_) > 0) return;
+  const auto [x, y, z] = point_option(setting_, text_);
+  value = {x, y, z};
 }
 
 void SettingReader::to(std::uint64_t& value) const {

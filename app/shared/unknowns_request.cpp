@@ -13,17 +13,6 @@
 namespace plenoflame {
 namespace {
 
-/// Whole numbers at least 1, separated by commas.
-std::vector<int> counts_of(const UnknownsRequest& request, std::vector<int> otherwise) {
-  if (request.grid.empty()) return otherwise;
-  const std::string& text = request.grid;
-  std::vector<int> counts;
-  std::istringstream words(text);
-  for (std::string word; std::getline(words, word, ',');)
-    counts.push_back(whole_number_option(request.names("grid"), word, 1, 100000));
-  return counts;
-}
-
 /// A matrix counts its columns with 32 bits. @throws UsageError
 void check_number_of_unknowns(const UnknownsRequest& request, const std::vector<int>& counts) {
   double unknowns = 1;
@@ -50,15 +39,10 @@ void check_shape(const UnknownsRequest& request, const std::string& what,
   throw UsageError(text.str());
 }
 
-Vec3 vector_option(const std::string& option, const std::string& text) {
-  const auto [x, y, z] = point_option(option, text);
-  return {x, y, z};
-}
-
 std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& box) {
   const Vec3 size = box.upper - box.lower;
   const double longest = std::max({size.x, size.y, size.z});
-  std::vector<int> counts = counts_of(request, {32});
+  std::vector<int> counts = request.grid.empty() ? std::vector<int>{32} : request.grid;
   if (counts.size() == 1) {
     const double step = longest / counts[0];
     const auto along = [&](double side) {
@@ -79,7 +63,7 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
 }
 
 std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& box) {
-  std::vector<int> counts = counts_of(request, {40, 80});
+  std::vector<int> counts = request.grid.empty() ? std::vector<int>{40, 80} : request.grid;
   if (counts.size() != 2)
     throw UsageError(request.names("grid") + " must be the rings and heights, N,M");
   check_number_of_unknowns(request, counts);
@@ -91,7 +75,8 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
     grid.axis = direction;
     middle = point + dot(middle - point, direction) * direction;
   } else if (!request.axis.empty() && !request.fits_axis()) {
-    grid.axis = vector_option(request.names("axis"), request.axis);
+    const auto [x, y, z] = point_option(request.names("axis"), request.axis);
+    grid.axis = {x, y, z};
   }
   if (!(length(grid.axis) > 0))
     throw UsageError(request.names("axis") + " must be a direction, e.g. \"0 m, 0 m, 1 m\"");
@@ -111,7 +96,7 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
 }
 
 std::unique_ptr<Unknowns> layers_of(const UnknownsRequest& request, const Box& box) {
-  const std::vector<int> counts = counts_of(request, {10});
+  const std::vector<int> counts = request.grid.empty() ? std::vector<int>{10} : request.grid;
   if (counts.size() != 1)
     throw UsageError(request.names("grid") + " must be the number of layers, N");
   return make_layer_unknowns(
@@ -143,12 +128,9 @@ Box block_of(const UnknownsRequest& request, const CompiledScene& scene) {
   if (request.fitted_block) return *request.fitted_block;
   Box box;
   if (scene.medium) box = scene.medium->bounds();
-  if (box.empty() && (request.centre.empty() || request.fits_block())) return box;
-  const Vec3 centre = request.centre.empty()
-                          ? 0.5 * (box.lower + box.upper)
-                          : vector_option(request.names("center"), request.centre);
-  const Vec3 size = request.fits_block() ? box.upper - box.lower
-                                         : vector_option(request.names("size"), request.size);
+  if (box.empty() && (!request.centre || request.fits_block())) return box;
+  const Vec3 centre = request.centre.value_or(0.5 * (box.lower + box.upper));
+  const Vec3 size = request.size.value_or(box.upper - box.lower);
   if (!(size.x > 0) || !(size.y > 0) || !(size.z > 0))
     throw UsageError(request.names("size") + " needs three lengths above 0");
   return {centre - 0.5 * size, centre + 0.5 * size};
@@ -174,17 +156,25 @@ std::span<const SettingRow<UnknownsRequest>> setting_rows() {
        &R::kind,
        word,
        {"voxels", "rings", "layers"}},
-      {"grid", "N[,N,N]",
+      {"grid",
+       "N[,N,N]",
        "Voxels along the longest side or along all three, NX,NY,NZ (32); rings and heights, N,M "
        "(40,80); layers (10)",
-       &R::grid},
+       &R::grid,
+       text,
+       {},
+       1,
+       100000},
       {"center", "X,Y,Z",
        "Middle of the block, \"1 m, 0 m, 5 mm\"; without it, that of the scene's flames",
        &R::centre, lengths},
-      {"size", "X,Y,Z",
+      {"size",
+       "X,Y,Z",
        "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames, or by the "
        "pictures (auto)",
-       &R::size, lengths},
+       &R::size,
+       lengths,
+       {"auto"}},
       {"axis", "X,Y,Z",
        "Direction of the rings' axis through the block's middle (\"0 m, 0 m, 1 m\"), or fit: place "
        "and direction by the pictures",
@@ -208,7 +198,6 @@ void check_unknowns(const UnknownsRequest& request) {
     throw UsageError(names("basis") + " is for voxels: " + request.kind + " have one of their own");
   if (!request.axis.empty() && request.kind != "rings")
     throw UsageError(names("axis") + " is for rings, not for " + request.kind);
-  counts_of(request, {});
   value_of_absorption(request);
 }
 

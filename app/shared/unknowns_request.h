@@ -16,7 +16,9 @@ namespace plenoflame {
 /// The unknowns to solve for, and what is known of them, as texts.
 struct UnknownsRequest {
   SettingNames names = {};  ///< as its caller writes them
-  std::string kind = "voxels", grid, centre, size, axis, basis, absorption;
+  std::string kind = "voxels", axis, basis, absorption;
+  std::vector<int> grid;             ///< counts; empty: the usual ones
+  std::optional<Vec3> centre, size;  ///< [m] nothing: by the scene or the pictures
   /// The rings' axis where it was fitted: a point of it, and its direction.
   std::optional<std::pair<Vec3, Vec3>> fitted_axis = {};
 
@@ -24,7 +26,7 @@ struct UnknownsRequest {
   std::optional<Box> fitted_block = {};
 
   bool fits_axis() const { return kind == "rings" && axis == "fit"; }
-  bool fits_block() const { return size.empty() || size == "auto"; }
+  bool fits_block() const { return !size; }
 };
 template <>
 std::span<const SettingRow<UnknownsRequest>> setting_rows();

@@ -146,10 +146,10 @@ class WhiteRun {
     std::vector<Vec2> centres;
     // libpleno's table has column and row of the lens first, and pixels centred on whole numbers.
     if (read_file(file).starts_with("k,l,u,v")) {
-      for (const NumberRow& row : read_number_rows(file, 4, "a centre: k,l,u,v"))
+      for (const NumberRow& row : read_number_rows(file, {4}, "a centre: k,l,u,v"))
         centres.push_back({row.values[2] + 0.5, row.values[3] + 0.5});
     } else {
-      for (const NumberRow& row : read_number_rows(file, 2, "a centre: column,row in pixels"))
+      for (const NumberRow& row : read_number_rows(file, {2}, "a centre: column,row in pixels"))
         centres.push_back({row.values[0], row.values[1]});
     }
     try {

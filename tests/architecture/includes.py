@@ -43,8 +43,8 @@ STANDARD = re.compile(r"[a-z_0-9]+$")
 
 CORE_SRC = {"OpenEXR", "libpng", "libtiff", "libjpeg", "zlib", "pugixml", "HDF5", "toml++", "nlohmann-json", "fmt", "Eigen", "Embree", "POSIX"}
 VOLUMES_SRC = {"OpenVDB", "TBB", "fmt", "toml++", "nlohmann-json", "POSIX"}
-CLI = {"Cairo", "CLI11", "NLopt", "nlohmann-json", "fmt", "POSIX"}
-SHARED = {"Cairo", "nlohmann-json", "fmt", "POSIX"}
+CLI = {"Cairo", "CLI11", "nlohmann-json", "fmt", "POSIX"}
+SHARED = {"Cairo", "NLopt", "nlohmann-json", "fmt", "POSIX"}
 VTK_MODULE = {"VTK", "nlohmann-json", "X11"}
 PYTHON = {"pybind11", "nlohmann-json"}
 ANY = set(LIBRARIES)

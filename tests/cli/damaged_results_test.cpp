@@ -62,7 +62,7 @@ TEST(DamagedResults, RowsOfNumbers) {
                     {"x, y, z\n0,0.001,1e-3\n# more\n-0.5,0,8 # the last\r\n", "1,2,3\n\n4,5,6"}, 1,
                     [&](const std::string& text) {
                       write_bytes(path, text);
-                      const auto rows = read_number_rows(path, 3, "a point");
+                      const auto rows = read_number_rows(path, {3}, "a point");
                       ASSERT_FALSE(rows.empty());
                       for (const NumberRow& row : rows) {
                         ASSERT_EQ(row.values.size(), 3U);

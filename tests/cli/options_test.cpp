@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "commands/command.h"
+#include "operator_problem.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::cli::options_test {
@@ -92,6 +93,30 @@ TEST(Options, MissingPart) {
               0U)
         << text;
   }
+}
+
+TEST(Options, SettingsAreValuesAndTextsOfThem) {
+  UnknownsRequest unknowns;
+  OperatorRequest request;
+  for (const auto& [name, text] :
+       {std::pair{"grid", "4,5,6"}, {"center", "1 m, -2 mm, 0.1 m"}, {"size", "auto"}})
+    EXPECT_TRUE(set_setting(unknowns, {}, name, text));
+  EXPECT_EQ(unknowns.grid, (std::vector{4, 5, 6}));
+  EXPECT_FALSE(unknowns.size);
+  EXPECT_TRUE(set_setting(request, {}, "bin", "view"));
+  UnknownsRequest again;
+  for (const auto& row : setting_rows<UnknownsRequest>())
+    if (const std::string text = text_of_row(row, unknowns); !text.empty())
+      set_setting(again, {}, std::string(row.name), text);
+  EXPECT_EQ(again.grid, unknowns.grid);
+  ASSERT_TRUE(again.centre);
+  EXPECT_EQ(again.centre->y, -2e-3);
+  EXPECT_EQ(again.kind, "voxels");
+  for (const auto& row : setting_rows<OperatorRequest>())
+    EXPECT_TRUE(row.name != "bin" || text_of_row(row, request) == "view");
+  EXPECT_THROW(set_setting(unknowns, {}, "grid", "4,0"), UsageError);
+  EXPECT_THROW(set_setting(unknowns, {}, "center", "1 m, 2 m"), UsageError);
+  EXPECT_THROW(set_setting(request, {}, "bin", "views"), UsageError);
 }
 
 }  // namespace

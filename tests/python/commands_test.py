@@ -4,6 +4,7 @@ files."""
 import csv
 import inspect
 import re
+import sys
 
 import numpy
 from package import ROOT, PackageTest, main
@@ -185,18 +186,21 @@ class Commands(PackageTest):
     def test_arguments_are_the_options(self):
         """Names and defaults in the help, which the package does not read."""
         files = {"set", "camera", "images", "output", "refined", "residual", "report", "pixels", "places", "part", "quiet", "json",
-                 "help", "which"}
+                 "help", "which", "picture", "poses", "residuals", "plot"}
         for command, function, own in (("reconstruct", plenoflame.reconstruct, {"operator"}),
                                        ("operator", plenoflame.Scene.operator, set()),
-                                       ("import", plenoflame.import_raw, set())):
-            text = self.command(command, "--help")
+                                       ("import", plenoflame.import_raw, set()), ("optimize", plenoflame.Scene.optimize, set()),
+                                       ("calibrate corners", plenoflame.calibrate_corners, set()),
+                                       ("calibrate geometry", plenoflame.calibrate_geometry, set()),
+                                       ("calibrate rig", plenoflame.calibrate_rig, set())):
+            text = self.command(*command.split(), "--help")
             options = dict(re.findall(r"(?ms)^  (?:-\w, )?--([a-z-]+)(.*?)(?=^  -|^\S|^$)", text))
             named = {name: parameter for name, parameter in inspect.signature(function).parameters.items()
                      if parameter.kind is parameter.KEYWORD_ONLY and name not in own | {"progress"}}
             self.assertEqual(set(named), {name.replace("-", "_") for name in options} - files)
             for name, parameter in named.items():
                 about = " ".join(options[name.replace("_", "-")].split())
-                if parameter.default not in (None, False, ()):
+                if parameter.default not in (None, False, (), parameter.empty):
                     self.assertRegex(about, rf"\({re.escape(str(parameter.default))}\)$", f"{command}: {name}")
                 self.assertIn(name + ": ", function.__doc__)
 
@@ -285,6 +289,97 @@ width = "10 nm"
             plenoflame.calibrate_radiometry("white.tif", camera)
         with self.assertRaisesRegex(plenoflame.Error, "^emissivity: 2 is not a number from 0.01 to 1"):
             plenoflame.calibrate_radiometry({1700: self.folder / "white.tif"}, camera, emissivity=2)
+
+    def test_board_and_rig_are_those_of_the_command(self):
+        sys.path.append(str(ROOT / "tests" / "cli"))
+        from geometry_test import BOARD, POSES, camera
+        small = camera().replace("columns = 560", "columns = 400").replace("rows = 440", "rows = 320")
+        (self.folder / "real.toml").write_text(small)
+        (self.folder / "nominal.toml").write_text(small.replace("57.5 mm", "57.6 mm"))
+        names = ["b-0.tif"]
+        (self.folder / "board.toml").write_text(small + BOARD.format(**dict(zip("xyzabc", POSES[0]))))
+        self.command("render", "board.toml", "--samples", "4", "-o", "b.exr", "--quiet")
+        self.command("develop", "b.exr", "--exposure", "auto", "-o", names[0])
+        figures = self.figures("calibrate", "corners", *names, "--camera", "real.toml", "--board", "5x4", "--cell", "2.5 mm", "-o", "c.csv")
+        real = plenoflame.Scene(self.folder / "real.toml")
+        pictures = [self.folder / name for name in names]
+        boards = plenoflame.calibrate_corners(pictures, real, board=(5, 4), cell=2.5e-3)
+        boards.figures["pictures"][0]["file"] = names[0]
+        self.assertEqual(boards.figures, figures)
+        table = rows_of(self.folder / "c.csv")
+        for name in ("pose", "x", "y", "column", "row", "q", "r"):
+            numpy.testing.assert_array_equal(boards.corners[name], column(table, name))
+        free = "camera.focus.lens_distance"
+        figures = self.figures("calibrate", "geometry", "c.csv", "--camera", "nominal.toml", "--free", free, "-o", "found.toml",
+                               "--poses", "poses.csv", "--residuals", "left.csv")
+        nominal = plenoflame.Scene(self.folder / "nominal.toml")
+        plain = numpy.stack([boards.corners[name] for name in boards.corners.dtype.names], 1)
+        for corners in (boards.corners, plain, self.folder / "c.csv"):
+            found = plenoflame.calibrate_geometry(corners, nominal, free=[free])
+            self.assertEqual({**found.figures, "camera": "found.toml"}, figures)
+        self.assertEqual(found.scene.get_text(free), plenoflame.Scene(self.folder / "found.toml").get_text(free))
+        for values, file, names in ((found.poses, "poses.csv", ("rms_pixel", "x", "r02")),
+                                    (found.residuals, "left.csv", ("pose", "residual_column", "residual_row"))):
+            for name in names:
+                numpy.testing.assert_array_equal(values[name], column(rows_of(self.folder / file), name))
+        moved = found.poses.copy()
+        moved["x"] -= 0.03
+        numpy.savetxt(self.folder / "right.csv", moved, "%.17g", ",")
+        figures = self.figures("calibrate", "rig", "found.toml=poses.csv", "found.toml=right.csv", "--size", "10 mm", "-o", "rig.toml")
+        expected = plenoflame.Scene(self.folder / "rig.toml")
+        for right in ((found.scene, moved), (found.scene, self.folder / "right.csv")):
+            rig = plenoflame.calibrate_rig([found, right], size=0.01)
+            rig.figures["cameras"][0]["camera"] = "found.toml"
+            self.assertEqual({**rig.figures, "output": "rig.toml"}, figures)
+            self.assertEqual([rig.scene[f"cameras[1].{key}"] for key in ("position", "up")],
+                             [expected[f"cameras[1].{key}"] for key in ("position", "up")])
+        self.assertEqual(sorted(path.name for path in self.folder.glob("*.toml")),
+                         ["board.toml", "found.toml", "nominal.toml", "real.toml", "rig.toml"])  # nothing is written
+        for sentence, function, arguments in (
+                ("^board takes two whole numbers, not 5", plenoflame.calibrate_corners, {"board": 5, "cell": 1}),
+                ("^board: from 2x2", plenoflame.calibrate_corners, {"board": (1, 4), "cell": 1}),
+                ("^cell: above 0", plenoflame.calibrate_corners, {"board": (5, 4), "cell": "0 mm"})):
+            with self.assertRaisesRegex(plenoflame.Error, sentence):
+                function(pictures, real, **arguments)
+        with self.assertRaisesRegex(TypeError, "missing a required argument: 'board'"):
+            plenoflame.calibrate_corners(pictures, real, cell=1)
+        for sentence, corners, arguments in (
+                (r"^corners takes an array of the shape \(n, 7\) or \(n, 5\), not \(3, 4\)", numpy.zeros((3, 4)), {}),
+                ("^corners takes the columns pose, x, y, column, row, not pose, rms_pixel,", found.poses, {}),
+                (r"^corners\[1\]: 0.5 is not a whole number", plain[:2] + 0.5 * numpy.eye(2, 7, -1), {}),
+                (r"^radii\[0\]: type 7: the camera's types are 0 to 0", plain, {"radii": [[7, 4, 9, 0.1]]}),
+                ("^centres takes finite numbers", plain, {"centres": [[0, 0, float("nan"), 1]]}),
+                ("^pupil: 2 is not a number from 0 to 1", plain, {"pupil": 2}),
+                (r"^camera takes a Scene, not 3", plain, None)):
+            with self.assertRaisesRegex(plenoflame.Error, sentence):
+                plenoflame.calibrate_geometry(corners, *([3] if arguments is None else [nominal]), **(arguments or {}))
+        with self.assertWarnsRegex(RuntimeWarning, r"fewer values \(free\)"):
+            plenoflame.calibrate_geometry(plain, nominal, free="camera.array.sensor_distance,camera.lens.distortion.k1")
+        with self.assertRaisesRegex(plenoflame.Error, "'cameras.0.' and 'cameras.1.' have no pose in common"):
+            moved["pose"] += 5
+            plenoflame.calibrate_rig([found, (found.scene, moved)])
+        with self.assertRaisesRegex(plenoflame.Error, r"^cameras\[1\] takes what calibrate_geometry\(\) returned"):
+            plenoflame.calibrate_rig([found, 3])
+
+    def test_better_camera_is_that_of_the_command(self):
+        text = '[camera]\npreset = "paper-plenoptic2"\n'
+        (self.folder / "a.toml").write_text(text)
+        figures = self.figures("optimize", "a.toml", "--merit", "depth", "--array-range", "0.43 mm,-20 mm", "--vary", "spacing,pitch",
+                               "--bound", "1.2", "-o", "b.toml")
+        scene = plenoflame.Scene(self.folder / "a.toml")
+        found = scene.optimize(merit="depth", array_range=(0.43e-3, "-20 mm"), vary=("spacing", "pitch"), bound=1.2)
+        self.assertEqual({**found.figures, "scene": "b.toml"}, figures)
+        expected = plenoflame.Scene(self.folder / "b.toml")
+        self.assertEqual(found.scene["camera.array.pitch"], expected["camera.array.pitch"])
+        self.assertNotEqual(scene["camera.array.pitch"], expected["camera.array.pitch"])
+        for sentence, arguments in ((r"^merit='depth' needs array_range$", {"merit": "depth"}),
+                                    (r"^vary: 'pich' is not one of .* did you mean 'pitch'", {"merit": "light", "vary": "pich"}),
+                                    (r"there is no parameter to vary; give some \(vary\)", {"merit": "light", "vary": "types"}),
+                                    (r"^greatest_index: 9 is not a number from 1 to 5", {"greatest_index": 9})):
+            with self.assertRaisesRegex(plenoflame.Error, sentence):
+                scene.optimize(**arguments)
+        with self.assertRaisesRegex(TypeError, "Scene.optimize.. has no argument 'merits'; did you mean 'merit'"):
+            scene.optimize(merits="light")
 
     def test_a_wrong_key_of_a_flame(self):
         scene = self.scene(40)

@@ -32,16 +32,19 @@ from .flame import Flame, flame_arrays, flame_from_arrays, flame_generators, imp
 from .light_field import Export, FocusStack, LightField, Refocused, Views, export_formats, merge, read_light_field
 from .measurements import Corners, Frames, ImportedCamera, MicroImages, Projections, Temperatures, Truth, import_camera
 from .picture import picture
-from .raw import Imported, Radiometry, White, calibrate_radiometry, calibrate_white, import_raw
+from .raw import (Boards, Geometry, Imported, Radiometry, Rig, White, calibrate_corners, calibrate_geometry, calibrate_radiometry,
+                  calibrate_rig, calibrate_white, import_raw)
 from .ray_blocks import RayBlock
 from .rays import Rays
 from .reconstruction import Reconstruction, reconstruct
-from .scene import Scene
+from .scene import Optimized, Scene
 
-__all__ = ["Corners", "Error", "Export", "Flame", "FocusStack", "Frames", "Imported", "ImportedCamera", "LightField", "MicroImages",
-           "Projections", "Quantity", "Radiometry", "RayBlock", "Rays", "Reconstruction", "Refocused", "Scene", "Temperatures", "Truth", "Views", "White",
-           "__version__", "calibrate_radiometry", "calibrate_white", "export_formats", "flame_arrays", "flame_from_arrays", "flame_generators", "import_camera",
-           "import_flame", "import_raw", "make_flame", "merge", "picture", "read_flame", "read_light_field", "reconstruct", "write_flame"]
+__all__ = ["Boards", "Corners", "Error", "Export", "Flame", "FocusStack", "Frames", "Geometry", "Imported", "ImportedCamera",
+           "LightField", "MicroImages", "Optimized", "Projections", "Quantity", "Radiometry", "RayBlock", "Rays",
+           "Reconstruction", "Refocused", "Rig", "Scene", "Temperatures", "Truth", "Views", "White", "__version__",
+           "calibrate_corners", "calibrate_geometry", "calibrate_radiometry", "calibrate_rig", "calibrate_white",
+           "export_formats", "flame_arrays", "flame_from_arrays", "flame_generators", "import_camera", "import_flame",
+           "import_raw", "make_flame", "merge", "picture", "read_flame", "read_light_field", "reconstruct", "write_flame"]
 
 for _name in __all__:
     if not hasattr(globals()[_name], "_fields"):  # named tuples have no keywords of their own

@@ -14,10 +14,12 @@ from .measurements import import_camera as import_camera
 from .picture import picture as picture
 from .raw import Imported as Imported, Radiometry as Radiometry, White as White, import_raw as import_raw
 from .raw import calibrate_radiometry as calibrate_radiometry, calibrate_white as calibrate_white
+from .raw import Boards as Boards, Geometry as Geometry, Rig as Rig, calibrate_corners as calibrate_corners
+from .raw import calibrate_geometry as calibrate_geometry, calibrate_rig as calibrate_rig
 from .ray_blocks import RayBlock as RayBlock
 from .rays import Rays as Rays
 from .reconstruction import Reconstruction as Reconstruction, reconstruct as reconstruct
-from .scene import Scene as Scene
+from .scene import Optimized as Optimized, Scene as Scene
 from . import vtk as vtk
 
 __all__: list[str]

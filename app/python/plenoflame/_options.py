@@ -28,7 +28,9 @@ def words(value):
     return text_of(value)
 
 
-def _default(value, kind, repeated):
+def _default(value, kind, repeated, required):
+    if required:
+        return inspect.Parameter.empty
     if repeated:
         return ()
     if kind == _Kind.flag:
@@ -43,8 +45,8 @@ class Settings:
 
     def __init__(self, rows):
         """rows: those of the library's table"""
-        self.rows = {name.replace("-", "_"): (name, text, _default(value, kind, repeated), kind, repeated)
-                     for name, _form, text, value, kind, repeated in rows}
+        self.rows = {name.replace("-", "_"): (name, text, _default(value, kind, repeated, required), kind, repeated)
+                     for name, _form, text, value, kind, repeated, required in rows}
 
     def arguments_of(self, function):
         """Decorates a function that takes them as **settings: gives it their signature, and adds their texts to its docstring."""
@@ -59,6 +61,7 @@ class Settings:
             for name in named:
                 if name not in known:
                     raise TypeError(refusal(function.__qualname__, name, known))
+            signature.bind(*arguments, **named)  # TypeError where one is missing
             return function(*arguments, **named)
 
         del checked.__wrapped__  # whose signature is another one
@@ -86,6 +89,8 @@ def _text(name, value, kind):
         return os.fspath(value)
     if kind == _Kind.lengths:
         return lengths(value)
+    if kind == _Kind.sides and not isinstance(value, str):
+        return "x".join(map(str, _check.several(name, value, 2, "two whole numbers")))
     if name == "absorption" and not isinstance(value, str):
         return lengths(value, "1/m")
     return words(value)

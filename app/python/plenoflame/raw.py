@@ -9,7 +9,7 @@ import numpy
 
 from . import _check, _core
 from ._options import Settings, lengths
-from ._run import Error, made, update
+from ._run import Error, errors_of, made, update
 from ._values import text_of
 from .light_field import LightField
 from .scene import Scene
@@ -24,7 +24,22 @@ columns, of all micro-images and of radii by f-number (None: of one); a dict of 
 Radiometry = collections.namedtuple("Radiometry", "text figures")
 Radiometry.__doc__ = "What calibrate_radiometry() found: the text of the file that import_raw() takes as radiometry, and a dict of figures."
 
-_RAW, _WHITE, _RADIOMETRY = (Settings(kind.settings()) for kind in (_core.RawImport, _core.White, _core.Radiometry))
+Boards = collections.namedtuple("Boards", "corners figures")
+Boards.__doc__ = """What calibrate_corners() found: an array with the columns pose, x, y (on the board [m]), column, row (in the picture
+[pixels]), q, r (the microlens), an entry for each corner; a dict of figures."""
+
+Geometry = collections.namedtuple("Geometry", "scene poses residuals figures")
+Geometry.__doc__ = """What calibrate_geometry() found: a Scene with the camera; arrays with named columns, of the boards' places (pose,
+rms_pixel, x, y, z [m], r00 to r22: board to camera) and of what the fit leaves of each corner (residual_column, residual_row [pixels],
+NaN: left out); a dict of figures, in which values are the fitted ones with their errors."""
+
+Rig = collections.namedtuple("Rig", "scene figures")
+Rig.__doc__ = "What calibrate_rig() found: a Scene with all cameras, in the first one's world, and a dict of figures."
+
+_RAW, _WHITE, _RADIOMETRY, _BOARDS, _GEOMETRY, _RIG = (Settings(kind.settings()) for kind in (
+    _core.RawImport, _core.White, _core.Radiometry, _core.Boards, _core.Geometry, _core.Rig))
+_CORNERS = ("pose", "x", "y", "column", "row")
+_POSES = ("pose", "rms_pixel", "x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
 
 
 def _time(value):
@@ -45,12 +60,17 @@ def _labelled(values, text, label=_label):
     return [text(value) for value in values] if isinstance(values, (list, tuple)) else [text(values)]
 
 
+def _see(run, camera):
+    """Gives an object of the library the camera."""
+    if not isinstance(camera, Scene):
+        raise Error(f"camera takes a Scene, not {camera!r}")
+    run.camera = camera._scene
+
+
 def _run(run, rows, camera, pictures, settings, progress, what):
     """Runs an object of the library. pictures: texts; settings: those of the caller."""
-    if not (camera is None and what == "white" or isinstance(camera, Scene)):
-        raise Error(f"camera takes a Scene, not {camera!r}")
-    if camera is not None:
-        run.camera = camera._scene
+    if camera is not None or what != "white":
+        _see(run, camera)
     for file in pictures:
         run.add_picture(file)
     times = _time if what == "radiometry" else _label
@@ -64,7 +84,25 @@ def _run(run, rows, camera, pictures, settings, progress, what):
 
 
 def _table(text):
-    return numpy.genfromtxt(io.StringIO(text), delimiter=",", names=True) if text else None
+    return numpy.atleast_1d(numpy.genfromtxt(io.StringIO(text), delimiter=",", names=True)) if text else None
+
+
+def _rows(name, table, *columns):
+    """Rows of numbers of an array: one with named columns, or (n, as many as some of these have). columns: tuples of names."""
+    table = numpy.asarray(table)
+    if table.dtype.names:
+        for names in columns:
+            if set(names) <= set(table.dtype.names):
+                used = table[table["used"] > 0] if "used" in table.dtype.names else table
+                table = numpy.stack([numpy.atleast_1d(used[column]) for column in names], 1)
+                break
+        else:
+            raise Error(f"{name} takes the columns {', '.join(columns[-1])}, not {', '.join(table.dtype.names)}")
+    if table.ndim != 2 or table.shape[1] not in map(len, columns) or not len(table):
+        raise Error(f"{name} takes an array of the shape {' or '.join(f'(n, {len(names)})' for names in columns)}, not {table.shape}")
+    if not (table.dtype.kind in "iuf" and numpy.isfinite(table).all()):
+        raise Error(f"{name} takes finite numbers")
+    return table
 
 
 @_RAW.arguments_of
@@ -132,3 +170,85 @@ def calibrate_radiometry(sources, camera, *, threads=0, progress=None, **setting
     pictures = _labelled(sources, os.fspath, lambda key: _label(key if isinstance(key, tuple) else lengths(key, "K")))
     _run(run, _RADIOMETRY, camera, pictures, settings, progress, "radiometry")
     return Radiometry(run.output, json.loads(run.figures))
+
+
+@_BOARDS.arguments_of
+def calibrate_corners(pictures, camera, *, threads=0, progress=None, **settings):
+    """The corners of checkerboards, or dots, in the micro-images of raw pictures, as `plenoflame calibrate corners`. Returns Boards.
+
+        found = plenoflame.calibrate_corners(["a.tif", "b.tif"], camera, board=(9, 6), cell=5e-3, white="white.tif")
+
+    pictures: the name of a file, or several, of one board, each in a pose of its own, counted from 0
+    camera: a Scene with the camera, as found by calibrate_white
+
+    {settings}
+
+    Lengths are in metres, or texts with units.
+    threads: 0: one per processor
+    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
+
+    Raises Error where no picture shows the board.
+    """
+    run = made(_core.Boards, threads=_check.whole("threads", threads, 0, 1024))
+    _run(run, _BOARDS, camera, _labelled(pictures, os.fspath), settings, progress, "corners")
+    return Boards(_table(run.output), json.loads(run.figures))
+
+
+@_GEOMETRY.arguments_of
+def calibrate_geometry(corners, camera, *, progress=None, **settings):
+    """Distances, focal length and decentre by corners of a board that was seen in several poses, as `plenoflame calibrate geometry`.
+    Returns Geometry.
+
+        found = plenoflame.calibrate_geometry(boards.corners, camera, centres=white.centres, radii=white.radii)
+
+    corners: of calibrate_corners; an array (n, 5) of pose, x, y on the board [m], column, row in pixels, or (n, 7) with q, r of the
+    microlens; or the name of a file of these. Pixel (0, 0) has its centre at (0.5, 0.5)
+    camera: a Scene with the camera to start with: nominal values will do
+
+    {settings}
+
+    centres and radii are those of calibrate_white, arrays (n, 4) of q, r, column, row and of type, f-number, radius, error, or names of files
+    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
+
+    Raises Error for values that the corners do not determine.
+    """
+    run = _core.Geometry()
+    _see(run, camera)
+    if isinstance(corners, (str, os.PathLike)):
+        run.set_corners(os.fspath(corners))
+    else:
+        run.set_table("corners", _rows("corners", corners, (*_CORNERS, "q", "r"), _CORNERS))
+    for name, columns in (("centres", ("q", "r", "column", "row")), ("radii", ("type", "f_number", "radius", "error"))):
+        if not isinstance(settings.get(name), (type(None), str, os.PathLike)):
+            run.set_table(name, _rows(name, settings.pop(name), columns))
+    _GEOMETRY.set(run, settings)
+    scene, poses, residuals = update(run, progress, "geometry").output
+    return Geometry(Scene(text=scene, name="camera.toml"), _table(poses), _table(residuals), json.loads(run.figures))
+
+
+@_RIG.arguments_of
+def calibrate_rig(cameras, *, progress=None, **settings):
+    """Places of several cameras, by boards that they have seen together, as `plenoflame calibrate rig`. Returns Rig.
+
+        rig = plenoflame.calibrate_rig([left, right]).scene
+
+    cameras: what calibrate_geometry returned of each; or pairs of a Scene and its poses, an array (n, 14) or the name of a file. A
+    pose's number stands for one place of the board, and the first camera stays
+
+    {settings}
+
+    Lengths are in metres, or texts with units.
+    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
+
+    Raises Error for cameras that have no pose in common.
+    """
+    run = _core.Rig()
+    for number, camera in enumerate(cameras):
+        scene, poses = camera[:2] if isinstance(camera, (tuple, list)) and len(camera) > 1 else (camera, None)
+        if not isinstance(scene, Scene):
+            raise Error(f"cameras[{number}] takes what calibrate_geometry() returned, or a Scene and its poses, not {camera!r}")
+        is_file = isinstance(poses, (str, os.PathLike))
+        with errors_of():
+            run.add_camera(scene._scene, scene._name, os.fspath(poses) if is_file else _rows(f"cameras[{number}]", poses, _POSES))
+    _RIG.set(run, settings)
+    return Rig(Scene(text=update(run, progress, "rig").output, name="rig.toml"), json.loads(run.figures))

@@ -1,5 +1,6 @@
 """A scene: a camera, its flames, and how to render them."""
 
+import collections
 import json
 import os
 
@@ -16,8 +17,11 @@ from .rays import Rays
 
 _ESTIMATORS = {None: None, "backward": _core.Estimator.backward, "forward": _core.Estimator.forward}
 
-
 OPERATOR = Settings(_core.operator_settings())
+_OPTIMIZE = Settings(_core.Optimize.settings())
+
+Optimized = collections.namedtuple("Optimized", "scene figures")
+Optimized.__doc__ = "What Scene.optimize() found: a Scene with the better camera, and a dict of figures before and after."
 
 
 class Scene(_home.Shown):
@@ -404,6 +408,25 @@ class Scene(_home.Shown):
         Raises Error for a scene without such patterns.
         """
         return corners_of(self._scene, rays, threads, progress)
+
+    @_OPTIMIZE.arguments_of
+    def optimize(self, *, progress=None, **settings):
+        """A better camera, as `plenoflame optimize`. Returns Optimized; this scene stays as it is.
+
+            better = scene.optimize(merit="volume", height=0.06, depths=(0.99, 1.01), vary=("focal", "spacing")).scene
+
+        {settings}
+
+        Lengths are in metres, or texts with units.
+        progress: True for a bar, or a function that is called with the fraction done; a true result stops it
+
+        Raises Error.
+        """
+        run = made(_core.Optimize, camera=self._scene)
+        _OPTIMIZE.set(run, settings)
+        better = self.copy()
+        better._scene = update(run, progress, "optimize").output
+        return Optimized(better, json.loads(run.figures))
 
     @OPERATOR.arguments_of
     def operator(self, *, threads=0, progress=None, **settings):

@@ -1,5 +1,5 @@
 from os import PathLike
-from typing import Any, Iterable, Iterator, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, NamedTuple, Optional, Sequence, Union
 
 from ._home import Shown
 from ._options import Settings
@@ -16,6 +16,10 @@ _Place = Union[str, Sequence[float]]
 _Value = Union[str, bool, int, float, Sequence[Union[str, bool, int, float]]]
 
 OPERATOR: Settings
+
+class Optimized(NamedTuple):
+    scene: Scene
+    figures: dict[str, Any]
 
 class Scene(Shown):
     def to_vtk(self) -> Any: ...
@@ -67,6 +71,10 @@ class Scene(Shown):
                    precision: str = ..., radiance: bool = ..., seed: int = ..., skip: bool = ...,
                    rays_per_block: int = ..., threads: int = ...) -> Iterator[RayBlock]: ...
     def corners(self, rays: int = ..., *, threads: int = ..., progress: Optional[Progress] = ...) -> Corners: ...
+    def optimize(self, *, merit: str = ..., vary: Union[str, Sequence[str]] = ..., bound: float = ..., array_range: Optional[_Place] = ...,
+                 depths: Optional[_Place] = ..., height: Union[None, str, float] = ..., types: Optional[int] = ..., free: str = ...,
+                 greatest_index: float = ..., overlap: Optional[float] = ..., paraxial: bool = ..., time_limit: float = ...,
+                 progress: Optional[Progress] = ...) -> Optimized: ...
     def operator(self, *, unknowns: str = ..., grid: Union[None, int, str, Sequence[int]] = ..., center: Optional[_Place] = ...,
                  size: Optional[_Place] = ..., axis: Optional[_Place] = ..., basis: Optional[str] = ...,
                  absorption: Union[None, str, float] = ..., channel: Union[None, str, Sequence[str]] = ..., rays: int = ...,

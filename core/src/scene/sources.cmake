@@ -19,6 +19,7 @@ list(APPEND core_sources
   src/scene/schema/scene_settings.cpp
   src/scene/schema/scene_schema.cpp
   src/scene/files/scene_writer.cpp
+  src/scene/files/settings_file.cpp
   src/scene/schema/schema_markdown.cpp
   src/scene/schema/schema_table.cpp src/scene/schema/schema_tables.cpp
   src/scene/spectral.cpp

@@ -23,9 +23,6 @@ struct CalibrationArguments {
 void add_camera_options(CLI::App& command, CalibrationArguments& arguments, const std::string& text,
                         bool required = true);
 
-/// The kind of RMS that all reports of calibrations have: root mean square of distances in x and y.
-inline constexpr const char* kRmsOfBoth = "RMS of both coordinates together";
-
 enum class CalibrationInput { pictures, tables };
 
 /// The end of a command's options: of pictures how raw files are read, and threads; --set, --json.

@@ -4,13 +4,21 @@
 
 #include "commands/part_option.h"
 #include "commands/reconstruct/setting_options.h"
+#include "commands/reconstruct/settings_file.h"
 #include "commands/scene_input.h"
 #include "outputs.h"
 
 namespace plenoflame::cli {
 
 void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
-  command.add_option("SCENE", arguments.scene, "Scene file (.toml)")->required();
+  command
+      .add_option_function<std::string>(
+          "SCENE",
+          [&command, &arguments](const std::string& file) {
+            arguments.scene = scenes_or_settings(command, "SCENE", {file}, "operator").front();
+          },
+          "Scene file (.toml), or a file with a table [operator]")
+      ->required();
   add_set_option(command, arguments.set);
   add_cameras_option(command, arguments.cameras);
   command

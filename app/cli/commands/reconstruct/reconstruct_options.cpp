@@ -7,6 +7,7 @@
 #include <filesystem>
 
 #include "commands/reconstruct/setting_options.h"
+#include "commands/reconstruct/settings_file.h"
 #include "commands/scene_input.h"
 #include "options.h"
 #include "outputs.h"
@@ -17,8 +18,13 @@ namespace plenoflame::cli {
 
 void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
   command
-      .add_option("SCENES", arguments.scenes,
-                  "Scene files (.toml), one for each camera, or one with several")
+      .add_option_function<std::vector<std::string>>(
+          "SCENES",
+          [&command, &arguments](const std::vector<std::string>& files) {
+            arguments.scenes = scenes_or_settings(command, "SCENES", files, "reconstruction");
+          },
+          "Scene files (.toml), one for each camera, or one with several; or a file with a table "
+          "[reconstruction]")
       ->required();
   add_set_option(command, arguments.set);
   add_cameras_option(command, arguments.cameras);

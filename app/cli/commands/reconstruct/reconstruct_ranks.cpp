@@ -10,30 +10,14 @@
 #include "plenoflame/inverse/shared_assembly.h"
 
 namespace plenoflame::cli {
-namespace {
-
-/// Calls visit(name, text) for everything that the unknowns are made by, but for what was fitted.
-template <class Request, class Visitor>
-void visit_unknowns(Request& request, Visitor visit) {
-  visit("kind", request.kind);
-  visit("grid", request.grid);
-  visit("centre", request.centre);
-  visit("size", request.size);
-  visit("axis", request.axis);
-  visit("basis", request.basis);
-  visit("absorption", request.absorption);
-}
-
-}  // namespace
-
 void announce_reconstruction(const ReconstructArguments& arguments, const UnknownsRequest& unknowns,
                              Communicator& ranks) {
   nlohmann::json json{{"scenes", arguments.scenes},
                       {"set", arguments.set},
                       {"cameras", arguments.cameras},
                       {"threads", arguments.threads}};
-  visit_unknowns(unknowns,
-                 [&](const char* name, const std::string& text) { json["unknowns"][name] = text; });
+  for (const auto& row : setting_rows<UnknownsRequest>())
+    json["unknowns"][std::string(row.name)] = text_of_row(row, unknowns);
   if (unknowns.fitted_block) {
     const auto& [a, b] = *unknowns.fitted_block;
     json["fitted_block"] = {a.x, a.y, a.z, b.x, b.y, b.z};
@@ -55,9 +39,8 @@ bool serve_reconstruction(const RankMessage& begin, Communicator& ranks, int thr
   execution.threads = asked > 0 ? asked : threads;
   execution.stop = stop;
   UnknownsRequest request;
-  visit_unknowns(request, [&](const char* name, std::string& text) {
-    json.at("unknowns").at(name).get_to(text);
-  });
+  for (const auto& [name, text] : json.at("unknowns").items())
+    if (text != "") set_setting(request, {}, name, text.get<std::string>());
   const auto two_points = [&](const char* name) {
     const auto numbers = json.at(name).get<std::vector<double>>();
     return std::pair{Vec3{numbers.at(0), numbers.at(1), numbers.at(2)},

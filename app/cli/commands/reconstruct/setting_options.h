@@ -25,12 +25,11 @@ void add_settings(CLI::App& command, Request& request) {
         throw CLI::ValidationError(error.what());  // with the hint to the help
       }
     };
-    if (const auto* list = std::get_if<std::vector<std::string> Request::*>(&row.field))
-      command.add_option(name, request.**list, help)
-          ->option_text(std::string(row.form))
-          ->allow_extra_args(row.form.ends_with("..."));
-    else
-      command.add_option_function<std::string>(name, set, help)->option_text(std::string(row.form));
+    const auto* list = std::get_if<std::vector<std::string> Request::*>(&row.field);
+    CLI::Option* const option = list ? command.add_option(name, request.**list, help)
+                                           ->allow_extra_args(row.form.ends_with("..."))
+                                     : command.add_option_function<std::string>(name, set, help);
+    option->option_text(std::string(row.form))->required(row.required);
   }
 }
 

@@ -8,6 +8,7 @@
 #include <memory>
 #include <utility>
 
+#include "camera_optimizer.h"
 #include "commands/commands.h"
 #include "commands/scene/design_array.h"
 #include "commands/scene/design_filters.h"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "camera_optimizer.h"
 #include "design_report.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -20,12 +21,6 @@ MicrolensShape shape_of(const ArraySpec& array, const MicrolensSpec& type) {
 }
 
 }  // namespace
-
-MicrolensFreedom freedom_named(const std::string& word) {
-  return word == "index"    ? MicrolensFreedom::index
-         : word == "radius" ? MicrolensFreedom::radius
-                            : MicrolensFreedom::thickness;
-}
 
 std::vector<SolvedType> solve_for_array(const ArrayTask& task, const Scene& scene, Report& report) {
   const ArraySpec& array = scene.camera.array;

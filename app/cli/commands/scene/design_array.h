@@ -31,6 +31,4 @@ Scene with_solved_array(const Scene& scene, const std::vector<SolvedType>& types
 std::vector<Plot> microlens_plots(const ArraySpec& array, const std::vector<SolvedType>& types,
                                   const std::string& freedom);
 
-MicrolensFreedom freedom_named(const std::string& word);
-
 }  // namespace plenoflame::cli

@@ -85,11 +85,10 @@ std::vector<Pixel> named_pixels(const RaysArguments& settings) {
       for (int x = 0; x < window.width; ++x) pixels.push_back({window.x + x, window.y + y});
   }
   if (settings.pixel_file.empty()) return pixels;
-  for (const NumberRow& row : read_number_rows(settings.pixel_file, 2, "a pixel: column,row")) {
+  for (const NumberRow& row : read_number_rows(settings.pixel_file, {2}, "a pixel: column,row")) {
     const auto whole = [](double v) { return v >= 0 && v < 65536 && v == std::floor(v); };
     if (!whole(row.values[0]) || !whole(row.values[1]))
-      throw InputError(SourcePosition{settings.pixel_file, row.line},
-                       "columns and rows are whole numbers from 0");
+      throw InputError(row.at, "columns and rows are whole numbers from 0");
     pixels.push_back({static_cast<int>(row.values[0]), static_cast<int>(row.values[1])});
   }
   return pixels;

@@ -33,7 +33,7 @@ struct TruthArguments {
 
 std::vector<Vec3> read_points(const std::string& path) {
   std::vector<Vec3> points;
-  for (const NumberRow& row : read_number_rows(path, 3, "a point: x,y,z in metres"))
+  for (const NumberRow& row : read_number_rows(path, {3}, "a point: x,y,z in metres"))
     points.push_back({row.values[0], row.values[1], row.values[2]});
   return points;
 }

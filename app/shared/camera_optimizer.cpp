@@ -6,10 +6,11 @@
 #include <cmath>
 #include <memory>
 
-#include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/mended_by.h"
+#include "readable.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 namespace {
 
 constexpr double kImpossible = -1e30, kOverlapping = -1e20;
@@ -34,7 +35,7 @@ class Problem {
       for (std::size_t k = 0; k < count; ++k) variables_.push_back({name, k});
     }
     if (variables_.empty())
-      throw InputError("there is no parameter to vary; give some with --vary");
+      throw mended_by(InputError("there is no parameter to vary; give some"), {"vary"});
     const bool free = std::any_of(variables_.begin(), variables_.end(),
                                   [](const Variable& v) { return v.name != "focal"; });
     allowed_overlap_ = task.overlap.value_or(free ? 0.0 : std::max(0.0, overlap_pixels(camera)));
@@ -96,8 +97,16 @@ class Problem {
   int evaluations_ = 0;
 };
 
-double evaluate(unsigned, const double* x, double*, void* problem) {
-  return static_cast<Problem*>(problem)->value(x);
+/// A problem, and the algorithm that works on it.
+struct Search {
+  Problem& problem;
+  nlopt_opt_s* optimizer;
+};
+
+double evaluate(unsigned, const double* x, double*, void* search) {
+  const auto [problem, optimizer] = *static_cast<Search*>(search);
+  if (problem.task().stop.stop_requested()) nlopt_force_stop(optimizer);
+  return problem.value(x);
 }
 
 /// Runs one algorithm from x; x becomes the best point that it saw, if that is better.
@@ -107,7 +116,8 @@ void improve(Problem& problem, nlopt_algorithm algorithm, int evaluations, doubl
   const double bound = std::log(problem.task().bound);
   nlopt_set_lower_bounds1(optimizer.get(), -bound);
   nlopt_set_upper_bounds1(optimizer.get(), bound);
-  nlopt_set_max_objective(optimizer.get(), evaluate, &problem);
+  Search search{problem, optimizer.get()};
+  nlopt_set_max_objective(optimizer.get(), evaluate, &search);
   nlopt_set_maxeval(optimizer.get(), evaluations);
   nlopt_set_xtol_rel(optimizer.get(), 0);
   nlopt_set_xtol_abs1(optimizer.get(), 1e-9);
@@ -117,6 +127,7 @@ void improve(Problem& problem, nlopt_algorithm algorithm, int evaluations, doubl
   std::vector<double> found = x;
   double best = before;
   const nlopt_result result = nlopt_optimize(optimizer.get(), found.data(), &best);
+  if (problem.task().stop.stop_requested()) throw Cancelled();
   if (result < 0 && result != NLOPT_ROUNDOFF_LIMITED) return;
   if (best > before) x = found;
 }
@@ -141,14 +152,14 @@ OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& ta
   result.camera = problem.camera_at(x.data());
   const double overlap = overlap_pixels(Camera(result.camera));
   if (overlap > problem.allowed_overlap() + kTouching)
-    throw InputError(
-        "the bounds allow no camera whose micro-images overlap by at most " +
-        readable_number(problem.allowed_overlap()) + " pixels: the least overlap is " +
-        readable_number(overlap) +
-        "; vary aperture, spacing or pitch, raise --bound, or allow more with --overlap");
+    throw mended_by(InputError("the bounds allow no camera whose micro-images overlap by at most " +
+                               readable_number(problem.allowed_overlap()) +
+                               " pixels: the least overlap is " + readable_number(overlap) +
+                               "; vary aperture, spacing or pitch, or raise a limit"),
+                    {"bound", "overlap"});
   result.merit = merit(Camera(result.camera), task.merit, task.traced);
   result.evaluations = problem.evaluations();
   return result;
 }
 
-}  // namespace plenoflame::cli
+}  // namespace plenoflame

@@ -1,11 +1,15 @@
 #pragma once
 #include <optional>
+#include <span>
+#include <stop_token>
 #include <string>
 #include <vector>
 
 #include "plenoflame/camera/camera_merit.h"
+#include "report.h"
+#include "settings.h"
 
-namespace plenoflame::cli {
+namespace plenoflame {
 
 struct OptimizerTask {
   MeritSpec merit;
@@ -18,6 +22,7 @@ struct OptimizerTask {
   /// The overlap that micro-images may have [pixels]. Without value: none, or that of the start if
   /// no varied property can change it.
   std::optional<double> overlap;
+  std::stop_token stop;
 };
 
 struct OptimizerResult {
@@ -32,7 +37,36 @@ struct OptimizerResult {
 /// (Nelder-Mead on subspaces). Both are from NLopt. The result is never worse than a start that
 /// keeps the constraints.
 /// @throws InputError when the start itself is impossible, no variable is given, or no camera
-///         within the bounds keeps the constraints
+///         within the bounds keeps the constraints; Cancelled
 OptimizerResult optimize_camera(const CameraSpec& start, const OptimizerTask& task);
 
-}  // namespace plenoflame::cli
+/// "index", "radius", else the thickness.
+MicrolensFreedom freedom_named(const std::string& word);
+
+/// A request for a better camera, as its callers write it.
+struct OptimizeRequest {
+  SettingNames names = {};
+  std::string merit = "resolution", vary = "focal";
+  double bound = 2;
+  std::string array_range = {}, depths = {}, height = {};
+  std::optional<int> types = {};
+  std::string free = "index";
+  double greatest_index = 2;
+  std::optional<double> overlap = {};
+  bool paraxial = false;
+  double time_limit = 50;  ///< [s]
+};
+template <>
+std::span<const SettingRow<OptimizeRequest>> setting_rows();
+
+/// The better camera, and the figures about it.
+struct BetterCamera {
+  CameraSpec camera;
+  Report report;
+};
+
+/// @throws UsageError, InputError, Cancelled
+BetterCamera optimize_camera(const OptimizeRequest& request, const CameraSpec& start,
+                             const std::stop_token& stop);
+
+}  // namespace plenoflame

@@ -1,0 +1,101 @@
+#include "commands/reconstruct/settings_file.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <optional>
+
+#include "options.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/scene/settings_file.h"
+
+namespace plenoflame::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The settings of a file; nothing: it is another kind of file.
+std::optional<std::vector<FileSetting>> settings_in(const std::string& file,
+                                                    const std::string& table) {
+  std::error_code ignored;
+  if (!file.ends_with(".toml") || !fs::is_regular_file(file, ignored)) return std::nullopt;
+  return read_settings(file, table);
+}
+
+/// The options of a command by their keys: --absorption-error is absorption_error.
+std::map<std::string, CLI::Option*> options_by_key(CLI::App& command) {
+  std::map<std::string, CLI::Option*> options;
+  for (CLI::Option* option : command.get_options({})) {
+    if (option == command.get_help_ptr()) continue;
+    std::string key = option->get_lnames().empty() ? CLI::detail::to_lower(option->get_name())
+                                                   : option->get_lnames().front();
+    std::ranges::replace(key, '-', '_');
+    options.emplace(std::move(key), option);
+  }
+  return options;
+}
+
+/// Gives an option the values of a setting, and evaluates it. @throws InputError
+void set_option(CLI::Option& option, const FileSetting& setting,
+                const std::vector<std::string>& values) {
+  option.clear();
+  if (option.get_items_expected_max() > 1)
+    option.add_result(values);
+  else
+    option.add_result(CLI::detail::join(values, ","));
+  try {
+    option.run_callback();
+  } catch (const CLI::ParseError& error) {
+    const std::string text = error.what(), name = option.get_name();
+    throw InputError(
+        setting.position,
+        setting.key + (text.starts_with(name) ? text.substr(name.size()) : ": " + text));
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> scenes_or_settings(CLI::App& command, const std::string& argument,
+                                            const std::vector<std::string>& files,
+                                            const std::string& table) {
+  std::optional<std::vector<FileSetting>> settings;
+  for (const std::string& file : files)
+    if ((settings = settings_in(file, table))) break;
+  if (!settings) return files;
+  if (files.size() > 1)
+    throw UsageError("of [" + table + "] one file is given, without further files");
+  const fs::path folder = fs::path(files.front()).parent_path();
+  const std::map<std::string, CLI::Option*> options = options_by_key(command);
+  CLI::Option* const named = command.get_option(argument);
+  named->clear();
+  for (const FileSetting& setting : *settings) {
+    const auto found = options.find(setting.key);
+    if (found == options.end()) {
+      std::vector<std::string> keys;
+      for (const auto& [key, option] : options) keys.push_back(key);
+      const std::string nearest = nearest_name(setting.key, keys);
+      throw InputError(setting.position,
+                       "unknown key \"" + setting.key + "\" of [" + table + "]" +
+                           (nearest.empty() ? "" : "; did you mean " + nearest + "?"));
+    }
+    CLI::Option& option = *found->second;
+    std::vector<std::string> values = setting.values;
+    if (&option == named || option.get_option_text().starts_with("FILE"))
+      for (std::string& path : values)
+        if (!path.empty()) path = (folder / path).string();
+    if (&option == named &&
+        values.size() > static_cast<std::size_t>(named->get_items_expected_max()))
+      throw InputError(setting.position, setting.key + ": one, not several");
+    if (&option == named)
+      named->add_result(values);
+    else if (option.count() == 0)
+      set_option(option, setting, values);
+  }
+  if (named->count() == 0)
+    throw InputError(SourcePosition{files.front()},
+                     "[" + table + "] has no key \"" + CLI::detail::to_lower(argument) + "\"");
+  return named->results();
+}
+
+}  // namespace plenoflame::cli
