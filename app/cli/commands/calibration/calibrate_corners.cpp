@@ -105,7 +105,7 @@ class BoardCornersRun {
     if (!arguments_.white.empty())
       white = bright_part(
           light_of(read_frames(arguments_.white, arguments_.files, execution), dark, mosaic));
-    std::string table = "pose,x,y,column,row,q,r\n";
+    std::string table = "pose,x,y,column,row,q,r,error,blur,blur_error\n";
     std::size_t boards = 0, corners = 0;
     nlohmann::json list = nlohmann::json::array();
     PngImage picture;
@@ -131,8 +131,9 @@ class BoardCornersRun {
       ++boards;
       corners += found.corners.size();
       for (const BoardCorner& c : found.corners)
-        table += fmt::format("{},{:.9g},{:.9g},{:.4f},{:.4f},{},{}\n", pose, c.column * board_.cell,
-                             c.row * board_.cell, c.pixel.x, c.pixel.y, c.lens.q, c.lens.r);
+        table += fmt::format("{},{:.9g},{:.9g},{:.4f},{:.4f},{},{},{:.4f},{:.4f},{:.4f}\n", pose,
+                             c.column * board_.cell, c.row * board_.cell, c.pixel.x, c.pixel.y,
+                             c.lens.q, c.lens.r, c.error, c.blur, c.blur_error);
       report_.add_text(file,
                        fmt::format("{} of {} points, {} corners in micro-images, about {:.4g} "
                                    "m away{}",
@@ -211,9 +212,7 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
       ->option_text("FILE ...");
   command.add_option("--dark", a->dark, "Dark frames of the same exposure")
       ->option_text("FILE ...");
-  command
-      .add_option("-o,--output", a->output,
-                  "Table for calibrate geometry: pose,x,y,column,row,q,r (.csv)")
+  command.add_option("-o,--output", a->output, "Table for calibrate geometry (.csv)")
       ->check(written())
       ->required()
       ->option_text("FILE.csv");

@@ -30,7 +30,8 @@ namespace {
 struct GeometryArguments : CalibrationArguments {
   std::string corners, output, centres, radii, residuals, plot, poses;
   std::vector<std::string> free;
-  double pupil = GeometrySettings().pupil, f_number = GeometrySettings().f_number;
+  double pupil = GeometrySettings().pupil, f_number = GeometrySettings().f_number,
+         microlens = GeometrySettings().microlens;
 };
 
 int whole_number(double value, const std::string& path, int line) {
@@ -54,18 +55,26 @@ std::size_t numbers_in(const std::string& path) {
 }
 
 std::vector<CornerObservation> read_corners(const std::string& path) {
-  const std::size_t count = numbers_in(path) == 7 ? 7 : 5;
+  constexpr std::size_t kWithLens = 7, kWithBlur = 10;  // columns
+  std::size_t count = numbers_in(path);
+  if (count != kWithLens && count != kWithBlur) count = 5;
   std::vector<CornerObservation> corners;
   for (const NumberRow& row : read_number_rows(
            path, count,
-           "a corner: pose,x,y,column,row or pose,x,y,column,row,q,r; x, y in metres")) {
+           "a corner: pose,x,y,column,row[,q,r[,error,blur,blur_error]]; x, y in metres")) {
     CornerObservation corner;
     corner.pose = whole_number(row.values[0], path, row.line);
     corner.board = {row.values[1], row.values[2]};
     corner.pixel = {row.values[3], row.values[4]};
-    if (count == 7)
+    if (count >= kWithLens)
       corner.lens = LensIndex{whole_number(row.values[5], path, row.line),
                               whole_number(row.values[6], path, row.line)};
+    if (count == kWithBlur) {
+      corner.blur = row.values[8];
+      corner.blur_error = row.values[9];
+      if (corner.blur_error < 0)
+        throw InputError(SourcePosition{path, row.line}, "the error of a blur is not below 0");
+    }
     corners.push_back(corner);
   }
   return corners;
@@ -222,6 +231,18 @@ void warn_of_radii(const RadiiMatch& radii) {
                   radii.conflict > 0 ? "outwards" : "inwards"));
 }
 
+/// Warns where blur and the nominal focal lengths of microlenses contradict each other.
+void warn_of_blur(const BlurMatch& blur, double deviation) {
+  constexpr double kMost = 2;  // standard deviations
+  if (std::fabs(blur.change) < kMost * deviation) return;
+  warn(
+      fmt::format("by places and blur of the corners, focal lengths of microlenses differ by "
+                  "{:+.1f} % from those to start with, {:.1f} standard deviations: the corners "
+                  "lie {} in their micro-images, or --microlens-error is too small",
+                  100 * blur.change, std::fabs(blur.change) / deviation,
+                  blur.change > 0 ? "outwards" : "inwards"));
+}
+
 /// The largest distance of the board's points from their nominal places [m].
 double most_aside(const GeometryCalibration& found) {
   double most = 0;
@@ -283,6 +304,7 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   settings.free = arguments.free;
   settings.pupil = arguments.pupil;
   settings.f_number = arguments.f_number;
+  settings.microlens = arguments.microlens;
   if (!arguments.radii.empty())
     settings.radii = read_radii(arguments.radii, start.scene.camera.array.types.size());
   const GeometryCalibration found =
@@ -312,6 +334,14 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
     report.add_json("radii_error", radii->relative_error);
     report.add_json("radii_conflict", radii->conflict);
   }
+  if (const std::optional<BlurMatch>& blur = found.blur) {
+    report.add(
+        "blur of corners",
+        fmt::format("{}, left by the fit: {:.2f} times their errors", blur->corners, blur->excess),
+        "blur_corners", blur->corners);
+    report.add_json("blur_excess", blur->excess);
+    report.add_json("microlens_change", blur->change);
+  }
   if (!found.board.empty())
     report.add("the board",
                fmt::format("points up to {} from their nominal places",
@@ -327,6 +357,12 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   report.add_json("outwards", found.outwards);
   report.add_json("outwards_scatter", found.outwards_scatter);
   report.add_text("most alike", most_correlated(found));
+  nlohmann::json distances;
+  for (const BoardPose& pose : found.poses)
+    distances.push_back({{"pose", pose.pose},
+                         {"distance_m", pose.to_camera.translation.z},
+                         {"error_m", pose.distance_error}});
+  report.add_json("boards", distances);
   const double distance = mean_distance(found);
   if (const double shift = aside(found, distance); shift > 0) {
     report.add_text(
@@ -342,6 +378,7 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
       warn_of_tilt(value.key, value.value, value.error, execution);
   warn_of_outwards(found);
   if (found.radii) warn_of_radii(*found.radii);
+  if (found.blur) warn_of_blur(*found.blur, arguments.microlens);
   warn_of_focal_length(start.scene.camera.lens.focal_length, found.camera.lens.focal_length);
   if (const std::string names = hardly_known(found); !names.empty())
     warn("these poses hardly tell " + names +
@@ -380,8 +417,8 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       "    -o calibrated.toml --plot residuals.png");
   command
       .add_option("CORNERS", a->corners,
-                  "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board [m], pixel (0, 0) at "
-                  "the picture's corner, q, r the microlens")
+                  "Table (.csv): pose,x,y,column,row[,q,r[,error,blur,blur_error]]; x, y on the "
+                  "board [m], pixel (0, 0) at the picture's corner, q, r the microlens")
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
@@ -401,6 +438,12 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       .add_option("--f-number-error", a->f_number,
                   "Relative standard deviation common to the f-numbers of --radii")
       ->check(CLI::Range(0.0, 1.0))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--microlens-error", a->microlens,
+          "Relative standard deviation common to the focal lengths of microlenses, for blur")
+      ->check(CLI::Range(1e-4, 10.0))
       ->capture_default_str();
   command
       .add_option("--free", a->free,
