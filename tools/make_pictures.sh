@@ -63,6 +63,7 @@ if chosen reconstruction; then PLENOFLAME=$plenoflame tools/draw_reconstruction.
 if chosen cameras; then PLENOFLAME=$plenoflame tools/draw_cameras.py; fi # minutes
 if chosen error-time; then PLENOFLAME=$plenoflame tools/draw_error_time.py; fi # from docs/benchmarks.md
 if chosen calibration; then PLENOFLAME=$plenoflame tools/draw_calibration.py; fi # needs the flame of the overview
+if chosen calibration-steps; then PLENOFLAME=$plenoflame tools/draw_calibration_steps.py; fi
 picture paper-flame-1m 0.53,0.5
 picture paper-flame-0.3m 0.5,0.5
 if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi

@@ -85,7 +85,7 @@ BoardCalibration calibrate_corners(const BoardRequest& request, const SceneDocum
     white = bright_part(
         light_of(read_frames(request.white, request.files, execution), dark, sensor.mosaic));
   BoardCalibration result;
-  result.corners = "pose,x,y,column,row,q,r\n";
+  result.corners = "pose,x,y,column,row,q,r,error,blur,blur_error\n";
   std::size_t boards = 0, corners = 0;
   nlohmann::json list = nlohmann::json::array();
   std::vector<std::string> without;  // why pictures show no board
@@ -110,9 +110,9 @@ BoardCalibration calibrate_corners(const BoardRequest& request, const SceneDocum
     ++boards;
     corners += found.corners.size();
     for (const BoardCorner& c : found.corners)
-      result.corners +=
-          fmt::format("{},{:.9g},{:.9g},{:.4f},{:.4f},{},{}\n", pose, c.column * board.cell,
-                      c.row * board.cell, c.pixel.x, c.pixel.y, c.lens.q, c.lens.r);
+      result.corners += fmt::format("{},{:.9g},{:.9g},{:.4f},{:.4f},{},{},{:.4f},{:.4f},{:.4f}\n",
+                                    pose, c.column * board.cell, c.row * board.cell, c.pixel.x,
+                                    c.pixel.y, c.lens.q, c.lens.r, c.error, c.blur, c.blur_error);
     result.report.add_text(
         file, fmt::format("{} of {} points, {} corners in micro-images, about "
                           "{:.4g} m away{}",

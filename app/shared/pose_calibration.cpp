@@ -29,13 +29,22 @@ std::vector<NumberRow> rows_of(const GeometryRequest& request, const std::string
 }
 
 std::vector<CornerObservation> corners_of(const GeometryRequest& request) {
+  constexpr std::size_t kWithLens = 7, kWithBlur = 10;  // columns
   std::vector<CornerObservation> corners;
   for (const NumberRow& row :
-       rows_of(request, "corners", request.corners, {5, 7},
-               "a corner: pose,x,y,column,row or pose,x,y,column,row,q,r; x, y in metres")) {
+       rows_of(request, "corners", request.corners, {5, kWithLens, kWithBlur},
+               "a corner: pose,x,y,column,row[,q,r[,error,blur,blur_error]]; x, y in metres")) {
     const std::vector<double>& v = row.values;
-    CornerObservation corner{row.whole(0), {v[1], v[2]}, {v[3], v[4]}, {}};
-    if (v.size() == 7) corner.lens = LensIndex{row.whole(5), row.whole(6)};
+    CornerObservation corner;
+    corner.pose = row.whole(0);
+    corner.board = {v[1], v[2]};
+    corner.pixel = {v[3], v[4]};
+    if (v.size() >= kWithLens) corner.lens = LensIndex{row.whole(5), row.whole(6)};
+    if (v.size() == kWithBlur) {
+      corner.blur = v[8];
+      corner.blur_error = v[9];
+      if (corner.blur_error < 0) throw InputError(row.at, "the error of a blur is not below 0");
+    }
     corners.push_back(corner);
   }
   return corners;
@@ -186,6 +195,19 @@ void warn_of_radii(const RadiiMatch& radii, const Execution& execution) {
                   radii.conflict > 0 ? "outwards" : "inwards"));
 }
 
+/// Warns where blur and the nominal focal lengths of microlenses contradict each other.
+void warn_of_blur(const BlurMatch& blur, const GeometryRequest& request,
+                  const Execution& execution) {
+  constexpr double kMost = 2;  // standard deviations
+  if (std::fabs(blur.change) < kMost * request.microlens) return;
+  execution.warn(
+      fmt::format("by places and blur of the corners, focal lengths of microlenses differ by "
+                  "{:+.1f} % from those to start with, {:.1f} standard deviations: the corners "
+                  "lie {} in their micro-images, or {} is too small",
+                  100 * blur.change, std::fabs(blur.change) / request.microlens,
+                  blur.change > 0 ? "outwards" : "inwards", request.names("microlens-error")));
+}
+
 /// The largest distance of the board's points from their nominal places [m].
 double most_aside(const GeometryCalibration& found) {
   double most = 0;
@@ -239,6 +261,14 @@ Report report_of(const GeometryCalibration& fit) {
     report.add_json("radii_error", radii->relative_error);
     report.add_json("radii_conflict", radii->conflict);
   }
+  if (const std::optional<BlurMatch>& blur = fit.blur) {
+    report.add(
+        "blur of corners",
+        fmt::format("{}, left by the fit: {:.2f} times their errors", blur->corners, blur->excess),
+        "blur_corners", blur->corners);
+    report.add_json("blur_excess", blur->excess);
+    report.add_json("microlens_change", blur->change);
+  }
   if (!fit.board.empty())
     report.add("the board",
                fmt::format("points up to {} from their nominal places",
@@ -254,6 +284,12 @@ Report report_of(const GeometryCalibration& fit) {
   report.add_json("outwards", fit.outwards);
   report.add_json("outwards_scatter", fit.outwards_scatter);
   report.add_text("most alike", most_correlated(fit));
+  nlohmann::json distances;
+  for (const BoardPose& pose : fit.poses)
+    distances.push_back({{"pose", pose.pose},
+                         {"distance_m", pose.to_camera.translation.z},
+                         {"error_m", pose.distance_error}});
+  report.add_json("boards", distances);
   const double distance = mean_distance(fit);
   if (const double shift = aside(fit, distance); shift > 0) {
     report.add_text(
@@ -273,6 +309,7 @@ void warn_of_fit(const GeometryCalibration& fit, const SceneDocument& start,
       warn_of_tilt(value.key, value.value, value.error, execution);
   warn_of_outwards(fit, execution);
   if (fit.radii) warn_of_radii(*fit.radii, execution);
+  if (fit.blur) warn_of_blur(*fit.blur, request, execution);
   warn_of_focal_length(start.scene.camera.lens.focal_length, fit.camera.lens.focal_length,
                        request.names("free"), execution);
   if (const std::string names = hardly_known(fit); !names.empty())
@@ -302,6 +339,14 @@ std::span<const SettingRow<GeometryRequest>> setting_rows() {
        {},
        0,
        1},
+      {"microlens-error",
+       "SHARE",
+       "Relative standard deviation common to the focal lengths of microlenses, for blur",
+       &R::microlens,
+       number,
+       {},
+       1e-4,
+       10},
       {"free", "KEY,...",
        "Keys that are fitted in place of the usual, such as "
        "camera.lens.focal_length,camera.lens.decentre; `usual,camera.lens.distortion` adds "
@@ -328,6 +373,7 @@ FoundGeometry calibrate_geometry(const GeometryRequest& request, const SceneDocu
   for (std::string key; std::getline(keys, key, ',');) settings.free.push_back(key);
   settings.pupil = request.pupil;
   settings.f_number = request.f_number;
+  settings.microlens = request.microlens;
   settings.radii = radii_of(request, start.scene.camera.array.types.size());
   found.fit = calibrate_geometry(start.scene.camera, found.corners, centres_of(request), settings,
                                  execution);

@@ -19,7 +19,7 @@ struct GeometryRequest {
   std::string corners = {}, centres = {}, radii = {};  ///< files
   /// In place of files: "corners", "centres", "radii".
   std::map<std::string, std::vector<NumberRow>> tables = {};
-  double f_number = GeometrySettings().f_number;
+  double f_number = GeometrySettings().f_number, microlens = GeometrySettings().microlens;
   std::string free = {};
   double pupil = GeometrySettings().pupil;
 };

@@ -6,6 +6,8 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
+#include <filesystem>
 
 #include "options.h"
 #include "plenoflame/base/error.h"
@@ -76,9 +78,31 @@ std::span<const SettingRow<RawFileOptions>> setting_rows() {
   return rows;
 }
 
-CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,
-                        const Execution& execution, double full) {
+std::vector<std::string> files_of(const std::vector<std::string>& names) {
+  std::vector<std::string> files;
+  for (const std::string& name : names) {
+    std::error_code error;
+    if (!std::filesystem::is_directory(name, error)) {
+      files.push_back(name);
+      continue;
+    }
+    std::vector<std::string> inside;
+    for (const auto& entry : std::filesystem::directory_iterator(name))
+      if (entry.is_regular_file() && !entry.path().filename().string().starts_with('.'))
+        inside.push_back(entry.path().string());
+    if (inside.empty()) throw InputError("the folder '" + name + "' holds no file");
+    std::sort(inside.begin(), inside.end(), [](const std::string& a, const std::string& b) {
+      return strverscmp(a.c_str(), b.c_str()) < 0;
+    });
+    files.insert(files.end(), inside.begin(), inside.end());
+  }
+  return files;
+}
+
+CountFrames read_frames(const std::vector<std::string>& names_of_files,
+                        const RawFileOptions& options, const Execution& execution, double full) {
   const RawLayout layout = options.layout();
+  const std::vector<std::string> files = files_of(names_of_files);
   const SettingNames& names = options.names;
   FrameSums sums(full);
   std::string kind;

@@ -31,8 +31,12 @@ struct RawFileOptions {
 template <>
 std::span<const SettingRow<RawFileOptions>> setting_rows();
 
-/// Reads the frames of one series; pages of a TIFF and consecutive pictures in a headerless file
-/// are frames, too. Probable mistakes give a warning.
+/// Files, and those in folders by their names; numbers in names count as numbers.
+/// @throws InputError for an empty folder
+std::vector<std::string> files_of(const std::vector<std::string>& names);
+
+/// Reads the frames of one series, in files or folders; pages of a TIFF and consecutive pictures in
+/// a headerless file are frames, too. Probable mistakes give a warning.
 /// @param full counts from which on a pixel is saturated; 0: the largest number
 /// @throws FileError, InputError with the file's name
 CountFrames read_frames(const std::vector<std::string>& files, const RawFileOptions& options,

@@ -77,9 +77,20 @@ inline Vec2 bent_projection(const CameraSpec& s, Vec3 p, Vec2 c) {
   return c + (s.array.sensor_distance / to_array) * (c - a);
 }
 
+/// Radius of the image of a point at a distance z through the whole microlens [pixel]: a cone of
+/// light from the lens' image of the point, bent by the microlens.
+inline double blur_at(const CameraSpec& s, double z, int type) {
+  const double image = 1 / (1 / s.lens.focal_length - 1 / z),
+               from_array = s.focus.lens_distance - image,
+               f = s.array.types[static_cast<std::size_t>(type)].focal_length;
+  const double cone = 1 / from_array - 1 / f;  // by which it widens behind the microlens
+  return 0.5 * s.array.diameter * (1 + cone * s.array.sensor_distance) / s.sensor.pixel_pitch;
+}
+
 struct Seen {
   std::vector<CornerObservation> corners;
   std::vector<CentreObservation> centres;
+  std::vector<double> distances;  ///< [m] of the boards' middles along the axis
 };
 
 /// How a real camera differs from the model.
@@ -87,6 +98,8 @@ struct Deviations {
   double pupil = 0;  ///< the lens' distance from the array over the exit pupil's is 1 + pupil
   double outwards[3] = {0, 0, 0};  ///< relative displacement of corners, by type of microlens
   double wave = 0;                 ///< [m] by which the board leaves its plane
+  double blur = 0;                 ///< [pixel] noise of the corners' blur; 0: blur is not observed
+  double blur_scale = 0;           ///< by which all blur is larger
 };
 
 /// How far the board's point leaves its plane: two waves along x, one along y.
@@ -104,6 +117,7 @@ inline Seen observe(const CameraSpec& s, int poses, double noise, double tilts =
   };
   std::mt19937_64 random(seed);
   std::normal_distribution<double> error(0, noise);
+  std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(-1, 1);
   const double ratio = s.array.sensor_distance / s.focus.lens_distance * (1 + deviations.pupil);
   const auto centre_of = [&](Vec2 c) { return c + ratio * (c - s.lens.decentre); };
@@ -117,6 +131,7 @@ inline Seen observe(const CameraSpec& s, int poses, double noise, double tilts =
     const Vec3 angles{0.5 * uniform(random), 0.5 * uniform(random), 0.4 * uniform(random)};
     const Mat3 turn = rotation_xyz(tilts * angles);
     const Vec3 place{2e-3 * uniform(random), 2e-3 * uniform(random), 0.33 + 0.03 * uniform(random)};
+    seen.distances.push_back(place.z);
     for (int i = -3; i <= 3; ++i)
       for (int j = -2; j <= 2; ++j) {
         const Vec2 board{7e-3 * i, 7e-3 * j};
@@ -130,8 +145,12 @@ inline Seen observe(const CameraSpec& s, int poses, double noise, double tilts =
           if (length(at - centre_of(c)) > 9 * s.sensor.pixel_pitch ||
               std::fabs(at.x) > 0.5 * size.x || std::fabs(at.y) > 0.5 * size.y)
             continue;
-          seen.corners.push_back(
-              {pose, board, pixel(at) + Vec2{error(random), error(random)}, lenses[k]});
+          CornerObservation& corner = seen.corners.emplace_back();
+          corner = {pose, board, pixel(at) + Vec2{error(random), error(random)}, lenses[k]};
+          if (deviations.blur == 0) continue;
+          corner.blur = (1 + deviations.blur_scale) * blur_at(s, p.z, lattice.type(lenses[k])) +
+                        deviations.blur * normal(random);
+          corner.blur_error = deviations.blur;
         }
       }
   }
@@ -154,6 +173,8 @@ inline double value_of(const CameraSpec& camera, const std::string& key) {
   if (key == "camera.lens.focal_length") return camera.lens.focal_length;
   if (key == "camera.focus.lens_distance") return camera.focus.lens_distance;
   if (key == "camera.array.sensor_distance") return camera.array.sensor_distance;
+  if (key.starts_with("camera.array.types["))
+    return camera.array.types[static_cast<std::size_t>(key[19] - '0')].focal_length;
   if (key == "camera.lens.decentre[0]") return camera.lens.decentre.x;
   if (key == "camera.lens.decentre[1]") return camera.lens.decentre.y;
   if (key == "camera.array.offset[0]") return camera.array.offset.x;

@@ -541,12 +541,14 @@ class BoardFinder {
       throw InputError(
           fmt::format("a grid of {} x {} points is seen, more than the board's {} x {}", widest,
                       highest, board_.columns, board_.rows));
+    const double whole = picture_.finder().lens_radius();
     for (const Point& point : points_) {
       ++found.points;
       const auto [c, r] = turned(point, best);
       for (const std::size_t k : point.marks)
         found.corners.push_back({marks_[k].lens, marks_[k].mark.pixel, c - best_box.left,
-                                 r - best_box.top, marks_[k].mark.error});
+                                 r - best_box.top, marks_[k].mark.error,
+                                 whole * marks_[k].mark.blur, whole * marks_[k].mark.blur_error});
     }
     found.whole = best_box.columns() == board_.columns && best_box.rows() == board_.rows;
   }

@@ -183,7 +183,7 @@ struct MarkFinder::Patch {
 struct MarkFinder::Fit {
   MarkValues values = MarkValues::Zero();
   MarkEquations equations;
-  double rms = 0, place_error = 0, step = 0;
+  double rms = 0, variance = 0, place_error = 0, step = 0;
 };
 
 /// @param takes (place from `about`) -> whether a pixel is used
@@ -319,9 +319,9 @@ bool MarkFinder::solve(const Patch& patch, bool free_blur, Fit& fit) const {
   double weights = 0;
   for (const double weight : patch.weight) weights += weight;
   const double freedom = static_cast<double>(n) - kValues;
-  const double variance = here.sum / freedom;
+  fit.variance = here.sum / freedom;
   fit.rms = std::sqrt(here.sum / weights);
-  fit.place_error = std::sqrt(std::max(0.0, 0.5 * variance * (inverse(0, 0) + inverse(1, 1))));
+  fit.place_error = std::sqrt(std::max(0.0, 0.5 * fit.variance * (inverse(0, 0) + inverse(1, 1))));
   return std::isfinite(fit.place_error) && fit.place_error > 0;
 }
 
@@ -394,9 +394,13 @@ bool MarkFinder::fit_expected(const MicroView& view, const Grid& grid, BoardMark
   const Eigen::Matrix<double, 6, 6> others =
       fit.equations.square.topLeftCorner<6, 6>() + 1e-9 * Eigen::Matrix<double, 6, 6>::Identity();
   const Eigen::Matrix<double, 6, 1> mixed = fit.equations.square.topRightCorner<6, 1>();
-  const double variance = fit.rms * fit.rms;
-  blur.gradient = fit.equations.right[6] / variance;
-  blur.curvature = (fit.equations.square(6, 6) - mixed.dot(others.ldlt().solve(mixed))) / variance;
+  blur.gradient = fit.equations.right[6] / fit.variance;
+  blur.curvature =
+      (fit.equations.square(6, 6) - mixed.dot(others.ldlt().solve(mixed))) / fit.variance;
+  if (blur.curvature > 0 && std::isfinite(blur.curvature)) {
+    mark.blur = view.plane + blur.gradient / blur.curvature;
+    mark.blur_error = 1 / std::sqrt(blur.curvature);
+  }
   return true;
 }
 

@@ -14,6 +14,8 @@ struct BoardMark {
   Vec2 pixel;        ///< seen through the middle of the microlens
   Vec2 diagonal;     ///< corners: (cos 2 a, sin 2 a) of the angle a of the bright squares' diagonal
   double error = 0;  ///< [pixel] standard deviation of the place
+  double blur = 0;   ///< MicroView::plane by the mark's own pixels
+  double blur_error = 0;  ///< standard deviation; 0: the pixels do not tell the blur
   /// Corners: angles of both edges. Dots: radius [pixel], and nothing.
   std::array<double, 2> shape{};
 };

@@ -63,6 +63,24 @@ const FreeValue kFreeValues[]{
      ValueGroup::distortion},
 };
 
+template <std::size_t kType>
+double& focal_length_of(CameraSpec& camera) {
+  return camera.array.types[kType].focal_length;
+}
+template <std::size_t kType>
+double scale_of_type(const CameraSpec& camera) {
+  return camera.array.types[kType].focal_length;
+}
+
+const FreeValue kMicrolenses[]{
+    {"camera.array.types[0].focal_length", focal_length_of<0>, 1e-6, scale_of_type<0>,
+     ValueGroup::microlens},
+    {"camera.array.types[1].focal_length", focal_length_of<1>, 1e-6, scale_of_type<1>,
+     ValueGroup::microlens},
+    {"camera.array.types[2].focal_length", focal_length_of<2>, 1e-6, scale_of_type<2>,
+     ValueGroup::microlens},
+};
+
 /// The values that are fitted by default.
 std::vector<const FreeValue*> usual_values(bool with_centres) {
   std::vector<const FreeValue*> values;
@@ -73,6 +91,10 @@ std::vector<const FreeValue*> usual_values(bool with_centres) {
 }
 
 }  // namespace
+
+const FreeValue* microlens_value(std::size_t type) {
+  return &kMicrolenses[type];
+}
 
 bool is_plane(const FreeValue* value) {
   return value->scale == plane_of;

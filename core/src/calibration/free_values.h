@@ -8,9 +8,10 @@ namespace plenoflame {
 
 /// The observations from which a value of the camera is known.
 enum class ValueGroup {
-  optics,     ///< corners
-  array,      ///< centres of micro-images
-  distortion  ///< corners; searched only on request
+  optics,      ///< corners
+  array,       ///< centres of micro-images
+  distortion,  ///< corners; searched only on request
+  microlens    ///< blur of corners
 };
 
 /// A value of the camera that can be fitted.
@@ -21,6 +22,9 @@ struct FreeValue {
   double (*scale)(const CameraSpec& camera);
   ValueGroup group;
 };
+
+/// The focal length of a type of microlenses, which blur of corners tells.
+const FreeValue* microlens_value(std::size_t type);
 
 /// True for the plane of which the image is distorted but sharp.
 bool is_plane(const FreeValue* value);

@@ -129,7 +129,7 @@ int loosen(GeometryFit& fit, const GeometryObservations& seen, const Execution& 
     reach = std::max(reach, length(corner.board));
   constexpr double kBoard = 1e-3, kOutwards = 0.03;  // where deviations start
   int steps = fit.loosen(&Looseness::board, kBoard * reach, execution);
-  if (fit.types() > 1 || seen.radii)
+  if (fit.types() > 1 || seen.radii || fit.has_blur())
     steps += fit.loosen(&Looseness::outwards, kOutwards, execution);
   return steps;
 }
@@ -197,13 +197,15 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0) solve_all();
   fit.check_determined();
   const double conflict = fit.radii_conflict();
+  steps += fit.use_blur(settings.microlens, execution);
+  if (seen.radii && !fit.has_blur()) steps += fit.solve_weighted(execution);
   steps += loosen(fit, seen, execution);
   GeometryCalibration result = fit.result(steps, settings.pupil);
   check_plausible(spec, found, rms_of_start, result);
   result.camera.array.diameter = std::min(start.array.diameter, result.camera.array.pitch);
   if (result.radii) {
     result.radii->conflict = conflict;
-    set_focal_lengths(result.camera, seen.radii->blur);
+    if (!result.blur) set_focal_lengths(result.camera, seen.radii->blur);
   }
   return result;
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <tuple>
 
 namespace plenoflame {
@@ -59,11 +60,16 @@ OutwardsDisplacement outwards_displacement(const std::vector<FittedPoint>& point
 }
 
 Eigen::MatrixXd geometry_covariance(const FittedPoints& fitted, double outwards, double pupil) {
-  const Eigen::Index n = fitted.values, size = fitted.square.rows();
-  // Values that the other unknowns follow: the inverse's part for the values alone.
-  const auto solver = fitted.square.ldlt();
-  const Eigen::MatrixXd inverse =
-      solver.solve(Eigen::MatrixXd::Identity(size, size)).topRows(n).eval();
+  const Eigen::Index size = fitted.square.rows();
+  std::vector<Eigen::Index> wanted(static_cast<std::size_t>(fitted.values));
+  std::iota(wanted.begin(), wanted.end(), 0);
+  wanted.insert(wanted.end(), fitted.others.begin(), fitted.others.end());
+  const auto n = static_cast<Eigen::Index>(wanted.size());
+  // The rows of the inverse for these unknowns; all others follow them.
+  const Eigen::MatrixXd inverse = fitted.square.ldlt()
+                                      .solve(Eigen::MatrixXd::Identity(size, size))
+                                      .eval()(wanted, Eigen::all)
+                                      .eval();
   // Each point moves the values; points of a group may err together.
   using Group = std::tuple<std::size_t, int, int>;
   std::map<Group, Eigen::VectorXd> by_image;
@@ -116,10 +122,10 @@ Eigen::MatrixXd geometry_covariance(const FittedPoints& fitted, double outwards,
     const Eigen::VectorXd gain = std::sqrt(loose.weight) * inverse.col(loose.unknown);
     found += fitted.noise2 * gain * gain.transpose();
   }
-  if (fitted.radii.size() > 0) {
-    const Eigen::VectorXd gain = inverse * fitted.radii;
+  for (std::size_t k = 0; k < fitted.known.size(); ++k) {
+    const Eigen::VectorXd gain = inverse * fitted.known[k];
     found += fitted.noise2 * gain * gain.transpose();
-    by_pupil += fitted.radii_by_pupil * gain;
+    if (k == 0) by_pupil += fitted.radii_by_pupil * gain;
   }
   found += outwards * outwards * by_outwards * by_outwards.transpose();
   found += pupil * pupil * by_pupil * by_pupil.transpose();

@@ -15,7 +15,7 @@ inline constexpr std::size_t kNoPose = std::numeric_limits<std::size_t>::max();
 /// A corner or a centre where a fit has ended. Lengths are in pixels on the sensor.
 struct FittedPoint {
   /// Derivatives of the residual. The camera's values come first. Corners add the 6 of the pose,
-  /// the displacement outwards and the 3 of the board's point.
+  /// the displacement outwards and the 3 of the board's point. Blur fills the first row alone.
   Eigen::Matrix<double, 2, Eigen::Dynamic> rows;
   /// First column in `rows`, first unknown of the fit, count; of those that the fit has.
   struct Block {
@@ -43,9 +43,11 @@ struct FittedPoints {
   Eigen::MatrixXd square;  ///< normal matrix of all unknowns: the camera's values, then the others
   Eigen::Index values = 0;
   std::vector<LooseValue> loose;
-  /// Derivatives of the slope of radii by all unknowns; empty: there are no radii. Its deviation is
-  /// that of the noise, and the pupil moves it.
-  Eigen::VectorXd radii;
+  std::vector<Eigen::Index> others;  ///< unknowns beside the values, whose errors are wanted, too
+  /// Derivatives of observations beside corners and centres by all unknowns. Their deviation is
+  /// that of the noise. The first is the slope of radii where there are some, and the pupil moves
+  /// it.
+  std::vector<Eigen::VectorXd> known;
   double radii_by_pupil = 0;
   double noise2 = 0;  ///< [pixel^2] variance of a corner's coordinate
 };
@@ -60,8 +62,8 @@ struct OutwardsDisplacement {
 OutwardsDisplacement outwards_displacement(const std::vector<FittedPoint>& points,
                                            std::size_t types);
 
-/// Covariance of the camera's values, in units of the derivatives (GeometryCalibration tells its
-/// parts).
+/// Covariance of the camera's values and of `others`, in units of the derivatives
+/// (GeometryCalibration tells its parts).
 /// @param outwards and pupil: standard deviations
 Eigen::MatrixXd geometry_covariance(const FittedPoints& fitted, double outwards, double pupil);
 

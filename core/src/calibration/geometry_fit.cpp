@@ -12,12 +12,15 @@ namespace plenoflame {
 namespace {
 
 constexpr int kMostFitSteps = 100;
-constexpr double kFitConverged = 1e-10;         ///< relative change of the sum of squares
-constexpr double kNotDetermined = 1e-9;         ///< least eigenvalue of the scaled normal matrix
-constexpr double kLeastNoise2 = 1e-6;           ///< [pixel^2] no corner is known better
-constexpr int kMostLooseRounds = 12;            ///< of standard deviations of loose values
-constexpr double kLooseConverged = 0.03;        ///< relative change of such a deviation
-constexpr double kMeanOutwards = 1e-4;          ///< by which the sum over types may differ from 0
+constexpr double kFitConverged = 1e-10;   ///< relative change of the sum of squares
+constexpr double kNotDetermined = 1e-9;   ///< least eigenvalue of the scaled normal matrix
+constexpr double kLeastNoise2 = 1e-6;     ///< [pixel^2] no corner is known better
+constexpr int kMostLooseRounds = 12;      ///< of standard deviations of loose values
+constexpr double kLooseConverged = 0.03;  ///< relative change of such a deviation
+constexpr double kBlurScale = 0.02, kBlurOffset = 0.03;  ///< deviations, the second in pixels
+/// Number of an observation that is the blur of a corner.
+constexpr std::size_t kBlurOfCorner = std::numeric_limits<std::size_t>::max();
+constexpr Eigen::Index kDistanceOfPose = 5;     ///< of the 6 unknowns of a pose
 constexpr Eigen::Index kUnknownsOfCorner = 10;  ///< 6 of the pose, outwards, 3 of the point
 
 /// The fit searches for the distance of the plane whose image is distorted but sharp. The distance
@@ -61,6 +64,11 @@ GeometryFit::GeometryFit(const CameraSpec& start, const GeometryObservations& se
   poses_.resize(pose_index_.size());
   points_.resize(nominal_points_.size());
   outwards_.resize(spec_.array.types.size());
+  lens_radius_ = Camera(spec_).aperture().radius() / spec_.sensor.pixel_pitch;
+  for (const MicrolensSpec& type : spec_.array.types)
+    nominal_focal_lengths_.push_back(type.focal_length);
+  blur_used_.resize(corners.size(), true);
+  blur_residuals_.resize(corners.size());
   const Camera camera = open_camera(spec_);
   const double shrink = -camera.array_front() / -camera.sensor();
   for (const CornerObservation& corner : corners) {
@@ -78,6 +86,8 @@ void GeometryFit::put(const State& state) {
   poses_ = state.poses;
   outwards_ = state.outwards;
   points_ = state.points;
+  blur_scale_ = state.blur_scale;
+  blur_offset_ = state.blur_offset;
 }
 
 int GeometryFit::solve(const std::vector<const FreeValue*>& free, const Execution& execution) {
@@ -113,6 +123,10 @@ void GeometryFit::update_noise() {
     if (used_[i]) squares += dot(residuals_[i], residuals_[i]), count += 2;
   const double freedom = count - static_cast<double>(first_of_outwards());
   noise2_ = std::max(kLeastNoise2, squares / std::max(1.0, freedom));
+  double blur = 0, blurs = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i)
+    if (has_blur(i)) blur += blur_residuals_[i] * blur_residuals_[i], blurs += 1;
+  if (blurs > 0) blur_excess_ = std::max(1.0, std::sqrt(blur / blurs));
 }
 
 int GeometryFit::loosen(double Looseness::*which, double start, const Execution& execution) {
@@ -120,7 +134,7 @@ int GeometryFit::loosen(double Looseness::*which, double start, const Execution&
   const Looseness held = looseness_;
   update_noise();
   linearise();
-  const double cost = cost_;
+  const double known = known_chi2_, cost = cost_ - known * noise2_;
   looseness_.*which = start;
   int steps = 0;
   for (int round = 0; round < kMostLooseRounds; ++round) {
@@ -129,7 +143,7 @@ int GeometryFit::loosen(double Looseness::*which, double start, const Execution&
     if (update_looseness() < kLooseConverged) break;
   }
   // Values that are noise leave less by their count, give or take its deviation.
-  const double gain = (cost - cost_) / noise2_;
+  const double gain = (cost - cost_) / noise2_ + known;
   const double count = effective_.*which;
   if (gain > count + 3 * std::sqrt(2 * count)) return steps;
   looseness_ = held;
@@ -149,6 +163,7 @@ double GeometryFit::update_looseness() {
     double squares = 0, effective = 0;
   } outwards, board;
   for (const LooseValue& loose : loose_values()) {
+    if (microlens_ > 0 && loose.unknown >= blur_scale()) continue;  // its deviation is given
     Group& group = loose.unknown < first_of_points() ? outwards : board;
     group.squares += loose.value * loose.value;
     group.effective += 1 - loose.weight * inverse(loose.unknown, loose.unknown);
@@ -249,7 +264,9 @@ GeometryCalibration GeometryFit::result(int steps, double pupil) {
   fitted.square = square_;
   fitted.values = values();
   fitted.loose = loose_values();
-  fitted.radii = radii_row_;
+  fitted.known = known_rows_;
+  for (std::size_t p = 0; p < poses_.size(); ++p)
+    fitted.others.push_back(first_of_pose(p) + kDistanceOfPose);
   fitted.noise2 = noise2_;
   if (seen_->radii) {
     // The cone of light behind a lens whose pupil lies elsewhere, by image distance and f-number.
@@ -262,6 +279,14 @@ GeometryCalibration GeometryFit::result(int steps, double pupil) {
   for (std::size_t t = 0; t < outwards_.size(); ++t) result.outwards[t] += outwards_[t];
   result.outwards_scatter = std::hypot(outwards.scatter, looseness_.outwards);
   const Eigen::MatrixXd covariance = geometry_covariance(fitted, result.outwards_scatter, pupil);
+  for (std::size_t p = 0; p < poses_.size(); ++p) {
+    const Eigen::Index k = values() + static_cast<Eigen::Index>(p);
+    result.poses[p].distance_error = std::sqrt(std::max(0.0, covariance(k, k)));
+  }
+  if (microlens_ > 0) {
+    result.blur = BlurMatch{0, blur_excess_, microlens_change_};
+    for (std::size_t i = 0; i < used_.size(); ++i) result.blur->corners += has_blur(i) ? 1 : 0;
+  }
   CameraSpec copy = spec_;
   for (std::size_t i = 0; i < free_.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -285,6 +310,7 @@ std::vector<FittedPoint> GeometryFit::fitted_points() {
   std::vector<FittedPoint> points;
   each_row([&](std::size_t i, const FittedPoint& row) {
     FittedPoint& point = points.emplace_back(row);
+    if (i == kBlurOfCorner) return;
     const bool is_corner = point.pose != kNoPose;
     const std::size_t centre = i - used_.size();
     const Vec2 pixel = is_corner ? seen_->corners[i].pixel : seen_->centres[centre].pixel;
@@ -325,6 +351,10 @@ std::vector<LooseValue> GeometryFit::loose_values() const {
       add(at + 1, looseness_.board, points_[k].y);
       add(at + 2, looseness_.board, points_[k].z);
     }
+  if (microlens_ > 0) {
+    add(blur_scale(), kBlurScale, blur_scale_);
+    add(blur_scale() + 1, kBlurOffset, blur_offset_);
+  }
   return values;
 }
 
@@ -461,6 +491,10 @@ void GeometryFit::each_row(const Take& take) {
     const FittedPoint row = row_of_corner(i, camera, moved);
     residuals_[i] = row.residual;
     if (used_[i]) take(i, row);
+    if (!has_blur(i)) continue;
+    const FittedPoint blur = row_of_blur(i, moved);
+    blur_residuals_[i] = blur.residual.x * blur_excess_ / std::sqrt(noise2_);
+    take(kBlurOfCorner, blur);
   }
   centre_residuals_.assign(seen_->centres.size(), {});
   for (std::size_t i = 0; i < seen_->centres.size(); ++i) {
@@ -475,8 +509,12 @@ void GeometryFit::linearise() {
   square_ = Eigen::MatrixXd::Zero(unknowns(), unknowns());
   right_ = Eigen::VectorXd::Zero(unknowns());
   cost_ = 0;
-  each_row([&](std::size_t, const FittedPoint& row) { add(row); });
-  add_known();
+  known_chi2_ = 0;
+  each_row([&](std::size_t i, const FittedPoint& row) {
+    add(row);
+    if (i == kBlurOfCorner) known_chi2_ += dot(row.residual, row.residual) / noise2_;
+  });
+  add_all_known();
 }
 
 void GeometryFit::add(const FittedPoint& point) {
@@ -491,41 +529,6 @@ void GeometryFit::add(const FittedPoint& point) {
   cost_ += r.squaredNorm();
 }
 
-/// Adds what is known of the loose values and of the radii.
-void GeometryFit::add_known() {
-  for (const LooseValue& loose : loose_values()) {
-    square_(loose.unknown, loose.unknown) += loose.weight;
-    right_(loose.unknown) += loose.weight * loose.value;
-    cost_ += loose.weight * loose.value * loose.value;
-  }
-  if (!seen_->radii) {
-    // A common displacement outwards is equivalent to a longer sensor distance.
-    if (looseness_.outwards == 0) return;
-    const auto count = static_cast<Eigen::Index>(outwards_.size());
-    const double weight = noise2_ / (kMeanOutwards * kMeanOutwards);
-    const Eigen::Index at = first_of_outwards();
-    double sum = 0;
-    for (const double outwards : outwards_) sum += outwards;
-    square_.block(at, at, count, count).array() += weight;
-    right_.segment(at, count).array() += weight * sum;
-    cost_ += weight * sum * sum;
-    return;
-  }
-  const double weight = std::sqrt(noise2_) / seen_->radii->relative_error;
-  const double slope = slope_of_radii(spec_);
-  radii_residual_ = weight * (slope / seen_->radii->slope - 1);
-  radii_row_ = Eigen::VectorXd::Zero(unknowns());
-  for (std::size_t k = 0; k < free_.size(); ++k) {
-    CameraSpec moved = spec_;
-    free_[k]->of(moved) += free_[k]->step * units_[k];
-    radii_row_(static_cast<Eigen::Index>(k)) =
-        weight * (slope_of_radii(moved) - slope) / (free_[k]->step * seen_->radii->slope);
-  }
-  square_ += radii_row_ * radii_row_.transpose();
-  right_ += radii_residual_ * radii_row_;
-  cost_ += radii_residual_ * radii_residual_;
-}
-
 void GeometryFit::apply(const Eigen::VectorXd& change) {
   for (std::size_t k = 0; k < free_.size(); ++k)
     free_[k]->of(spec_) += units_[k] * change(static_cast<Eigen::Index>(k));
@@ -536,6 +539,10 @@ void GeometryFit::apply(const Eigen::VectorXd& change) {
     const Eigen::Index at = first_of_pose(p);
     poses_[p].rotation = turned_by(poses_[p].rotation, three(at));
     poses_[p].translation = poses_[p].translation + three(at + 3);
+  }
+  if (microlens_ > 0) {
+    blur_scale_ += change(blur_scale());
+    blur_offset_ += change(blur_scale() + 1);
   }
   if (looseness_.outwards > 0)
     for (std::size_t t = 0; t < outwards_.size(); ++t)

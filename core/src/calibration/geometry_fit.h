@@ -44,6 +44,13 @@ class GeometryFit {
   /// @return whether one was turned over
   bool turn_poses_over(const Execution& execution);
 
+  /// Brings the corners' blur in, with the focal lengths of microlenses that have such corners.
+  /// @param microlens GeometrySettings::microlens @return count of steps; 0: there is no blur
+  int use_blur(double microlens, const Execution& execution);
+
+  /// Solves with weights of the observations by what the fit leaves. @return count of steps
+  int solve_weighted(const Execution& execution);
+
   /// Finds these loose values and their standard deviation. They remain zero if noise explains
   /// what they change. @param start the standard deviation to start with @return count of steps
   int loosen(double Looseness::*which, double start, const Execution& execution);
@@ -64,7 +71,8 @@ class GeometryFit {
   /// All squares, over those of noise.
   double misfit() const { return cost_ / noise2_; }
   /// Slope of radii, predicted - observed, in standard deviations. 0: there are no radii.
-  double radii_conflict() const { return radii_residual_ / std::sqrt(noise2_); }
+  double radii_conflict() const { return radii_residual_; }
+  bool has_blur() const { return microlens_ > 0; }
   std::size_t types() const { return outwards_.size(); }
 
   /// @param pupil GeometrySettings::pupil
@@ -79,8 +87,9 @@ class GeometryFit {
     std::vector<RigidTransform> poses;
     std::vector<double> outwards;
     std::vector<Vec3> points;
+    double blur_scale = 0, blur_offset = 0;
   };
-  State state() const { return {spec_, poses_, outwards_, points_}; }
+  State state() const { return {spec_, poses_, outwards_, points_, blur_scale_, blur_offset_}; }
   void put(const State& state);
 
   RigidTransform homography_pose(const Camera& camera, std::size_t pose) const;
@@ -96,14 +105,19 @@ class GeometryFit {
   Vec2 corner_miss(const Camera& camera, std::size_t i, Vec2 found) const;
   bool is_free(const char* key) const;
   void linearise();
-  void add_known();
+  template <class Function>
+  void add_known(double residual, double deviation, const Function& value);
+  void add_all_known();
   void add(const FittedPoint& point);
   void update_noise();
+  bool has_blur(std::size_t i) const;
+  double predicted_blur(const CameraSpec& spec, std::size_t i) const;
+  FittedPoint row_of_blur(std::size_t i, const std::vector<Camera>& moved) const;
   void apply(const Eigen::VectorXd& change);
   FittedPoint row_of_corner(std::size_t i, const Camera& camera, const std::vector<Camera>& moved);
   FittedPoint row_of_centre(std::size_t i, const Camera& camera, const std::vector<Camera>& moved);
-  /// Finds the residuals. Calls take(observation, row) for each used corner and each centre, whose
-  /// numbers come after the corners'.
+  /// Finds the residuals. Calls take(observation, row) for each used corner, its blur, and each
+  /// centre, whose numbers come after the corners'.
   template <class Take>
   void each_row(const Take& take);
 
@@ -116,10 +130,11 @@ class GeometryFit {
     return first_of_outwards() +
            (looseness_.outwards > 0 ? static_cast<Eigen::Index>(outwards_.size()) : 0);
   }
-  Eigen::Index unknowns() const {
+  Eigen::Index blur_scale() const {
     return first_of_points() +
            (looseness_.board > 0 ? 3 * static_cast<Eigen::Index>(points_.size()) : 0);
   }
+  Eigen::Index unknowns() const { return blur_scale() + (microlens_ > 0 ? 2 : 0); }
 
   CameraSpec spec_;
   const GeometryObservations* seen_;
@@ -131,12 +146,24 @@ class GeometryFit {
   std::vector<RigidTransform> poses_;
   std::vector<double> outwards_;  ///< of each type
   std::vector<Vec3> points_;      ///< [m] of each point of the board from its nominal place
+  /// By which all blur exceeds that of the microlenses' apertures: a share, and [pixel].
+  double blur_scale_ = 0, blur_offset_ = 0;
+  double lens_radius_ = 0;               ///< [pixel]
+  double microlens_ = 0;                 ///< GeometrySettings::microlens; 0: blur is not used yet
+  double blur_excess_ = 1;               ///< deviations of blur over the stated ones
+  std::vector<std::size_t> blur_types_;  ///< types of microlenses with such corners
+  double microlens_change_ = 0;          ///< BlurMatch::change by places and blur alone
+  std::vector<double> nominal_focal_lengths_;  ///< [m] of each type
+  std::vector<bool> blur_used_;
+  std::vector<double> blur_residuals_;  ///< over the stated deviations
   Looseness looseness_;
   std::vector<const FreeValue*> free_;
   std::vector<double> units_;
   Eigen::MatrixXd square_;
-  Eigen::VectorXd right_, radii_row_;
-  double cost_ = 0, noise2_ = 1, radii_residual_ = 0;
+  Eigen::VectorXd right_;
+  /// known_chi2_: the part of the cost that is not in pixels, over its variance
+  double cost_ = 0, known_chi2_ = 0, noise2_ = 1, radii_residual_ = 0;
+  std::vector<Eigen::VectorXd> known_rows_;
   Looseness effective_;  ///< counts of loose values that the observations determine
   std::vector<Vec2> residuals_, centre_residuals_;
 };

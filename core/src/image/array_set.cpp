@@ -1,7 +1,6 @@
 #include "plenoflame/image/array_set.h"
 
 #include <fmt/format.h>
-#include <hdf5.h>
 
 #include <algorithm>
 #include <cerrno>
@@ -11,34 +10,12 @@
 #include <string_view>
 #include <utility>
 
+#include "image/hdf5_id.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 
 namespace plenoflame {
 namespace {
-
-/// An HDF5 identifier with its closing function; one that could not be had is negative.
-class Hdf5Id {
- public:
-  Hdf5Id(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
-  ~Hdf5Id() {
-    if (id_ >= 0) close_(id_);
-  }
-  Hdf5Id(const Hdf5Id&) = delete;
-  Hdf5Id& operator=(const Hdf5Id&) = delete;
-  operator hid_t() const { return id_; }
-
- private:
-  hid_t id_;
-  herr_t (*close_)(hid_t);
-};
-
-/// Keeps HDF5 from printing its errors. Also keeps it from closing files again at the program's
-/// end: with a file on a full disk this would crash. No file is left open here.
-void keep_quiet() {
-  H5dont_atexit();
-  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
-}
 
 /// Text of the error that the system gave HDF5 when it failed just now: "errno = 28"; 0: nothing.
 /// It cleans up after that, and errno need not be the same any more.
@@ -76,7 +53,7 @@ void ArraySetWriter::check(std::int64_t status, const char* what) const {
 }
 
 ArraySetWriter::ArraySetWriter(const std::string& path) : path_(path) {
-  keep_quiet();
+  keep_hdf5_quiet();
   errno = 0;
   const Hdf5Id create(H5Pcreate(H5P_FILE_CREATE), H5Pclose);
   file_ = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, create, H5P_DEFAULT);
@@ -206,7 +183,7 @@ void ArraySetWriter::close() {
 }
 
 StoredArray read_stored_array(const std::string& file, const std::string& path) {
-  keep_quiet();
+  keep_hdf5_quiet();
   std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) throw FileError(fmt::format("cannot read '{}': {}", file, error.message()));

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <filesystem>
 #include <string_view>
 
 #include "image/jpeg_picture.h"
+#include "image/picture_arrays.h"
 #include "image/tiff_pages.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/mended_by.h"
@@ -13,10 +15,6 @@
 
 namespace plenoflame {
 namespace {
-
-[[noreturn]] void refuse_picture(const std::string& path, const std::string& why) {
-  throw FileError("cannot read '" + path + "': " + why);
-}
 
 RawPicture picture_of_png(const std::string& path) {
   PngImage png = read_png(path);
@@ -123,14 +121,39 @@ void read_headerless(const std::string& path, const std::string& bytes, const Ra
   }
 }
 
+/// The end of the file's name in FILE:ARRAY; npos where the whole is a file's name.
+std::size_t end_of_file_name(const std::string& path) {
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return std::string::npos;
+  for (std::size_t at = path.find(':'); at != std::string::npos; at = path.find(':', at + 1))
+    if (std::filesystem::is_regular_file(path.substr(0, at), ignored)) return at;
+  return std::string::npos;
+}
+
 }  // namespace
 
-void read_raw_pictures(const std::string& path, const RawLayout& layout,
+void read_raw_pictures(const std::string& name, const RawLayout& layout,
                        const std::function<void(RawPicture&&)>& take) {
+  const std::size_t end = end_of_file_name(name);
+  const std::string path = name.substr(0, end),
+                    array = end == std::string::npos ? "" : name.substr(end + 1);
   const std::string bytes = read_file(path);
   const auto begins = [&](std::string_view with) { return bytes.starts_with(with); };
   constexpr std::string_view kTiff[] = {{"II*\0", 4}, {"MM\0*", 4}, {"II+\0", 4}, {"MM\0+", 4}};
-  if (std::any_of(std::begin(kTiff), std::end(kTiff), begins)) {
+  constexpr std::string_view kHdf5("\x89HDF\r\n\x1a\n", 8);
+  constexpr std::size_t kMatlabBlock = 512;  // bytes in front of HDF5 in .mat of MATLAB 7.3
+  if (begins(kHdf5) ||
+      (bytes.size() > kMatlabBlock && bytes.compare(kMatlabBlock, kHdf5.size(), kHdf5) == 0)) {
+    read_hdf5_pictures(path, array, take);
+  } else if (begins("MATLAB 5.0 MAT-file")) {
+    read_mat_pictures(path, bytes, array, take);
+  } else if (!array.empty()) {
+    refuse_picture(name, "arrays have names in HDF5 and .mat files alone");
+  } else if (begins("\x89LFP")) {
+    read_lytro_pictures(path, bytes, take);
+  } else if (layout.width == 0 && is_lytro_raw(bytes.size())) {
+    take(lytro_raw_picture(path, bytes));
+  } else if (std::any_of(std::begin(kTiff), std::end(kTiff), begins)) {
     read_tiff_pages(path, bytes, take);
   } else if (begins("\x89PNG")) {
     take(picture_of_png(path));
@@ -148,8 +171,8 @@ void read_raw_pictures(const std::string& path, const RawLayout& layout,
     refuse_picture(path, "it is empty");
   } else {
     throw mended_by(FileError("cannot read '" + path +
-                              "': neither TIFF, PNG, PGM nor JPEG; numbers without header need "
-                              "their layout"),
+                              "': neither TIFF, PNG, PGM, JPEG, HDF5, .mat nor Lytro; numbers "
+                              "without header need their layout"),
                     {"size", "bits", "endian"});
   }
 }

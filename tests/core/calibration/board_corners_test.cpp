@@ -1,6 +1,7 @@
 // Boards found in rendered raw pictures, against the places where exact rays image their points.
 #include "plenoflame/calibration/board_corners.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -15,6 +16,8 @@
 #include "plenoflame/scene/compile.h"
 #include "plenoflame/scene/scene_file.h"
 #include "support/approx.h"
+#include "support/length.h"
+#include "support/thin_camera.h"
 
 namespace plenoflame::test::board_corners_test {
 namespace {
@@ -237,6 +240,7 @@ Vec2 thin_projection(const CameraSpec& s, Vec3 p, Vec2 c) {
 /// Errors of corners in a part of the micro-images.
 struct CornerErrors {
   double count = 0, outwards = 0, squares = 0, pulls = 0;
+  double blur = 0, blur_pulls = 0, blur_count = 0;
 };
 
 // Stop and microlenses blur and cut off what surrounds a corner. Its place moves neither outwards
@@ -256,12 +260,14 @@ std::map<std::pair<int, bool>, CornerErrors> corner_errors(const Picture& pictur
   for (const BoardCorner& corner : found.corners) {
     const Vec2 c = lattice.centre(corner.lens);
     Vec2 truth;
+    double z = 0;
     double least = std::numeric_limits<double>::infinity();
     for (const PatternImage& image : picture.truth) {
       const Vec2 pixel = thin_projection(camera, image.in_camera, c);
       if (length(pixel - corner.pixel) >= least) continue;
       least = length(pixel - corner.pixel);
       truth = pixel;
+      z = image.in_camera.z;
     }
     // The ray through the middle of the stop.
     const Vec2 out = truth - thin_projection(camera, {0, 0, 1e-9}, c), off = corner.pixel - truth;
@@ -270,6 +276,12 @@ std::map<std::pair<int, bool>, CornerErrors> corner_errors(const Picture& pictur
     part.outwards += dot(off, out) / length(out);
     part.squares += 0.5 * dot(off, off);
     part.pulls += 0.5 * dot(off, off) / (corner.error * corner.error);
+    // Where a corner is nearly sharp, its blur is hardly known.
+    if (!(corner.blur_error > 0 && corner.blur_error < 0.5)) continue;
+    const double blur = corner.blur - thin_camera::blur_at(camera, z, lattice.type(corner.lens));
+    part.blur += blur;
+    part.blur_pulls += std::pow(blur / corner.blur_error, 2);
+    part.blur_count += 1;
   }
   return parts;
 }
@@ -297,12 +309,65 @@ TEST_P(CornerPlaces, AreThoseOfTheMiddleOfTheMicrolens) {
   for (const auto& [where, part] : corner_errors(with_noise(clean, 300), f_number)) {
     all.count += part.count;
     all.pulls += part.pulls;
+    all.blur += part.blur;
+    all.blur_pulls += part.blur_pulls;
+    all.blur_count += part.blur_count;
   }
   const double pull = std::sqrt(all.pulls / all.count);
   std::printf("f/%g: %.0f corners, errors are %.2f times the stated ones\n", f_number, all.count,
               pull);
   EXPECT_GT(pull, 0.75);
   EXPECT_LT(pull, 1.3);
+  const double blur_pull = std::sqrt(all.blur_pulls / all.blur_count);
+  std::printf("f/%g: blur of %.0f corners, %+.4f pixel, errors are %.2f times the stated ones\n",
+              f_number, all.blur_count, all.blur / all.blur_count, blur_pull);
+  EXPECT_LT(std::fabs(all.blur / all.blur_count), 0.05);
+  EXPECT_GT(blur_pull, 0.75);
+  EXPECT_LT(blur_pull, 1.3);
+}
+
+/// Corners that a person sees: well within the stop's image.
+std::size_t seen_by_a_person(const Picture& picture, double f_number) {
+  const CameraSpec& camera = picture.camera;
+  const double stop = 0.5 * camera.array.sensor_distance * camera.lens.focal_length / f_number /
+                      camera.focus.lens_distance / camera.sensor.pixel_pitch;
+  const MicrolensLattice lattice(camera.array);
+  std::size_t count = 0;
+  for (const PatternImage& image : picture.truth) {
+    const Vec2 c = lattice.centre(image.image.lens),
+               out = Vec2{image.image.column, image.image.row} -
+                     thin_projection(camera, {0, 0, 1e-9}, c);
+    count += length(out) < 0.7 * stop ? 1 : 0;
+  }
+  return count;
+}
+
+// A sample of boards in micro-images as soft as those of a stopped-down camera with three types.
+TEST(BoardCorners, OfSoftMicroImages) {
+  if (!in_full()) return;
+  constexpr double kStop = 4.8;
+  std::mt19937_64 random(29);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int number = 0; number < 8; ++number) {
+    std::string board = board_of("checkerboard", 6, 5, uniform(random), 3);
+    const auto put = [&](const std::string& from, const std::string& to) {
+      board.replace(board.find(from), from.size(), to);
+    };
+    const auto angle = [&](double middle, double reach) {
+      return fmt::format("\"{} deg\"", middle + reach * uniform(random));
+    };
+    put("313 mm", fmt::format("{} mm", 312 + 6 * uniform(random)));
+    put("\"8 deg\"", angle(0, 20));
+    put("\"-102 deg\"", angle(-90, 20));
+    put("\"10 deg\"", angle(0, 30));
+    const Picture picture = with_noise(clean_picture(board, kThreeTypes, kStop, 16), 4000);
+    BoardCorners found;
+    EXPECT_NO_THROW(found = find_board(picture.light, picture.camera, {false, 5, 4, 3e-3}))
+        << number;
+    const std::size_t seen = seen_by_a_person(picture, kStop);
+    EXPECT_GT(seen, 20u) << number;
+    EXPECT_GE(2 * found.corners.size(), seen) << number;
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(BoardCorners, CornerPlaces, testing::Values(2.9, 4.8, 8.0));

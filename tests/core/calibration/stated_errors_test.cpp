@@ -15,6 +15,7 @@
 #include "plenoflame/calibration/white_lattice.h"
 #include "plenoflame/lightfield/geometry.h"
 #include "plenoflame/lightfield/sensor.h"
+#include "support/approx.h"
 #include "support/length.h"
 #include "support/thin_camera.h"
 
@@ -142,6 +143,73 @@ TEST(StatedErrors, Geometry) {
         calibrate_geometry(thin_camera::nominal(), corners, seen.centres, settings);
     for (const CalibratedValue& value : found.values)
       pulls.add(value.key, value.value, thin_camera::value_of(truth, value.key), value.error);
+  }
+  pulls.expect_one();
+}
+
+// A small sensor sees no perspective that tells the scale of a camera. Blur of the corners tells
+// the ratio of the sensor's distance to the focal lengths of microlenses, which are known to 3 %
+// together: information adds.
+TEST(StatedErrors, GeometryWithBlur) {
+  Pulls pulls("geometry with blur");
+  for (int number = 0; number < draws(); ++number) {
+    Draw draw(500 + number);
+    GeometrySettings settings;
+    CameraSpec truth = thin_camera::truth(), start = thin_camera::nominal();
+    truth.lens.focal_length *= draw.uniform(0.99, 1.01);
+    truth.focus.lens_distance *= truth.lens.focal_length / 0.0502;
+    truth.array.sensor_distance *= draw.uniform(0.95, 1.05);
+    for (CameraSpec* camera : {&truth, &start}) {
+      camera->sensor.columns = 400;
+      camera->sensor.rows = 300;
+      camera->array.types.resize(3, camera->array.types[0]);
+    }
+    // Types differ from their names by 5 %, their geometric mean by what is stated.
+    double mean = 1;
+    for (std::size_t t = 0; t < 3; ++t) {
+      start.array.types[t].focal_length = 0.5e-3 + 0.05e-3 * static_cast<double>(t);
+      const double own = 1 + draw.normal(0.05);
+      truth.array.types[t].focal_length = start.array.types[t].focal_length * own;
+      mean *= std::cbrt(own);
+    }
+    const double common = 1 + draw.normal(settings.microlens);
+    for (auto& type : truth.array.types) type.focal_length *= common / mean;
+    thin_camera::Deviations deviations;
+    deviations.pupil = draw.normal(settings.pupil);
+    deviations.blur = draw.uniform(0.05, 0.2);
+    deviations.blur_scale = draw.normal(0.02);
+    const thin_camera::Seen seen = thin_camera::observe(
+        truth, 5, draw.uniform(0.03, 0.1), 1, deviations, static_cast<std::uint64_t>(number));
+    std::vector<CornerObservation> corners;
+    for (std::size_t i = 0; i < seen.corners.size(); i += 2) corners.push_back(seen.corners[i]);
+    const GeometryCalibration found = calibrate_geometry(start, corners, seen.centres, settings);
+    ASSERT_TRUE(found.blur);
+    double distance_error = 0;
+    for (const CalibratedValue& value : found.values) {
+      if (value.key.find("focal_length") == std::string::npos &&
+          value.key.find("_distance") == std::string::npos)
+        continue;
+      pulls.add(value.key, value.value, thin_camera::value_of(truth, value.key), value.error);
+      if (value.key == "camera.array.sensor_distance") distance_error = value.error / value.value;
+    }
+    double boards = 0;
+    for (std::size_t p = 0; p < found.poses.size(); ++p)
+      boards += std::pow((found.poses[p].to_camera.translation.z - seen.distances[p]) /
+                             found.poses[p].distance_error,
+                         2);
+    // The boards' distances share the scale.
+    pulls.add("boards", std::sqrt(boards / static_cast<double>(found.poses.size())), 0, 1);
+    if (number >= 3) continue;
+    for (CornerObservation& corner : corners) corner.blur_error = 0;
+    const GeometryCalibration without = calibrate_geometry(start, corners, seen.centres, settings);
+    EXPECT_FALSE(without.blur);
+    for (const CalibratedValue& value : without.values) {
+      if (value.key != "camera.array.sensor_distance") continue;
+      const double of_places = value.error / value.value;
+      EXPECT_GT(of_places, settings.microlens);
+      EXPECT_TRUE(
+          relative(distance_error, 1 / std::hypot(1 / of_places, 1 / settings.microlens), 0.25));
+    }
   }
   pulls.expect_one();
 }

@@ -89,9 +89,7 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
                   "Raw pictures of one board, each in a pose of its own, counted from 0")
       ->required();
   add_camera_options(command, *a, "The camera, as found by calibrate white");
-  command
-      .add_option("-o,--output", a->output,
-                  "Table for calibrate geometry: pose,x,y,column,row,q,r (.csv)")
+  command.add_option("-o,--output", a->output, "Table for calibrate geometry (.csv)")
       ->check(written())
       ->required()
       ->option_text("FILE.csv");

@@ -90,8 +90,8 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
       "    -o calibrated.toml --plot residuals.png");
   command
       .add_option("CORNERS", a->request.corners,
-                  "Table (.csv): pose,x,y,column,row[,q,r]; x, y on the board [m], pixel (0, 0) at "
-                  "the picture's corner, q, r the microlens")
+                  "Table (.csv): pose,x,y,column,row[,q,r[,error,blur,blur_error]]; x, y on the "
+                  "board [m], pixel (0, 0) at the picture's corner, q, r the microlens")
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
   command.add_option("-o,--output", a->output, "The scene file with the camera that was found")

@@ -1,13 +1,18 @@
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <memory>
 
 #include "commands/calibration/calibration_options.h"
 #include "commands/commands.h"
+#include "commands/moment_options.h"
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
+#include "file_set.h"
 #include "messages.h"
 #include "options.h"
 #include "outputs.h"
+#include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "raw_pictures.h"
 #include "run.h"
@@ -17,8 +22,33 @@ namespace {
 
 struct ImportArguments : CalibrationArguments {
   RawPicturesRequest pictures;
-  std::string output;
+  std::string output, interval;
 };
+
+/// Each file as a moment of its own. @param interval [s] between moments
+int import_series(ImportArguments& arguments, const SceneDocument& camera, double interval,
+                  const Execution& execution) {
+  const std::vector<std::string> moments = files_of(arguments.pictures.raw);
+  FileSet files;
+  nlohmann::json list;
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    arguments.pictures.raw = {moments[k]};
+    RawPictures found = import_pictures(arguments.pictures, camera, execution);
+    const double time = static_cast<double>(k) * interval;
+    found.light_field.numbers["import.time"] = time;
+    const std::string name = with_frame(arguments.output, static_cast<int>(k));
+    files.write(name, [&](const std::string& to) { write_light_field(to, found.light_field); });
+    list.push_back({{"light_field", name}, {"time_s", time}});
+  }
+  files.commit();
+  Report report;
+  report.add("light fields",
+             fmt::format("{}, {} to {}", moments.size(), with_frame(arguments.output, 0),
+                         with_frame(arguments.output, static_cast<int>(moments.size()) - 1)),
+             "light_fields", list);
+  report.print(arguments.json);
+  return kSuccess;
+}
 
 int run_import(ImportArguments& arguments) {
   check_ending("-o", arguments.output, {".exr"});
@@ -30,6 +60,11 @@ int run_import(ImportArguments& arguments) {
   Execution execution;
   execution.threads = arguments.threads;
   execution.message = [](Severity, const std::string& text) { warn(text); };
+  if (!arguments.interval.empty()) {
+    const double interval = quantity_option("--interval", arguments.interval, Dimension::time);
+    if (!(interval > 0)) throw UsageError("--interval: above 0");
+    return import_series(arguments, camera, interval, execution);
+  }
   const RawPictures found = import_pictures(arguments.pictures, camera, execution);
   write_light_field(arguments.output, found.light_field);
   Report report;
@@ -50,16 +85,22 @@ void register_import(const Registry& registry) {
                   "plenoflame import 650nm=a.png 700nm=b.png --camera camera.toml --unit W "
                   "-o flame.exr");
   command
-      .add_option("RAW", a->pictures.raw,
-                  "Frames of one scene, which are averaged: .tif, .png, .pgm, "
-                  ".jpg, or numbers without "
-                  "header (--size). NAME=FILE: a frame of that channel")
+      .add_option(
+          "RAW", a->pictures.raw,
+          "Frames of one scene, which are averaged, or their folder: .tif, .png, .pgm, .jpg, "
+          "numbers without header (--size), arrays in .h5 or .mat (FILE:ARRAY), Lytro's .lfp, "
+          ".lfr and .raw (not tried on a real file). NAME=FILE: a frame of that channel")
       ->required();
   add_camera_options(command, *a, "Scene file with the camera and its channels");
   command.add_option("-o,--output", a->output, "Light field")
       ->check(written())
       ->required()
       ->option_text("FIELD.exr");
+  command
+      .add_option(
+          "--interval", a->interval,
+          "Time between files that are moments: FIELD.0000.exr and so on, one for each file")
+      ->option_text("TIME");
   add_settings<RawPicturesRequest>(command, a->pictures);
   add_shared_options(command, *a, CalibrationInput::pictures);
   on_chosen(command, registry, [a] { return run_import(*a); });

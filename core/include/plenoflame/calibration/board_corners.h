@@ -24,6 +24,8 @@ struct BoardCorner {
   Vec2 pixel;               ///< column, row; pixel (0, 0) has its centre at (0.5, 0.5)
   int column = 0, row = 0;  ///< of the board's points
   double error = 0;         ///< [pixel] standard deviation by the fit to its pixels
+  /// [pixel] CornerObservation::blur by its pixels, and its standard deviation. 0: not known.
+  double blur = 0, blur_error = 0;
 };
 
 struct BoardCorners {

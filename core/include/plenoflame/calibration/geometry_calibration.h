@@ -18,6 +18,10 @@ struct CornerObservation {
   Vec2 pixel;    ///< column, row; pixel (0, 0) has its centre at (0.5, 0.5)
   /// None: the lens whose micro-image, by the camera to start with, has its centre nearest.
   std::optional<LensIndex> lens;
+  /// [pixel] radius of the image of a point of the board through the whole microlens; below 0 where
+  /// the microlens turns that image over.
+  double blur = 0;
+  double blur_error = 0;  ///< [pixel] standard deviation; 0: the blur is not known
 };
 
 /// The centre of a micro-image in white pictures.
@@ -28,8 +32,9 @@ struct CentreObservation {
 
 struct BoardPose {
   int pose = 0;
-  RigidTransform to_camera;  ///< board to camera [m]
-  double rms = 0;            ///< [pixel] of its corners, both coordinates together
+  RigidTransform to_camera;   ///< board to camera [m]
+  double rms = 0;             ///< [pixel] of its corners, both coordinates together
+  double distance_error = 0;  ///< [m] standard deviation of its distance along the axis
 };
 
 struct CalibratedValue {
@@ -55,6 +60,9 @@ struct GeometrySettings {
   /// Radii of white micro-images, which determine the distance of the sensor from the array.
   std::vector<RadiusObservation> radii;
   double f_number = 0.03;  ///< relative standard deviation of what all f-numbers share
+  /// Relative standard deviation that all focal lengths of microlenses share. Blur of corners tells
+  /// the ratio of the sensor's distance to them.
+  double microlens = 0.03;
 };
 
 /// A point of the board that does not lie at its nominal place.
@@ -70,6 +78,15 @@ struct RadiiMatch {
   double conflict = 0;  ///< corners alone against radii, in standard deviations of the radii
 };
 
+/// The blur of corners against the camera.
+struct BlurMatch {
+  std::size_t corners = 0;
+  double excess = 0;  ///< RMS of what the fit leaves, over the stated deviations
+  /// Mean relative difference of the focal lengths of microlenses by places and blur alone from
+  /// those of the camera to start with.
+  double change = 0;
+};
+
 /// The covariance has four parts:
 /// - The scatter of the residuals: the largest of three estimates for each value, in which single
 ///   corners, micro-images or boards err independently.
@@ -78,6 +95,7 @@ struct RadiiMatch {
 /// - Values beside the camera's that explain more than noise. They are a
 ///   displacement outwards for each type of microlens, and places of the board's points. Their
 ///   standard deviations follow from the observations. Radii have the error that is given.
+/// - Blur of corners has its scatter, and the focal lengths of microlenses the error that is given.
 struct GeometryCalibration {
   CameraSpec camera;
   std::vector<BoardPose> poses;
@@ -93,6 +111,7 @@ struct GeometryCalibration {
   std::vector<BoardPoint> board;  ///< empty: noise explains how the board differs from its pattern
   double board_deviation = 0;     ///< [m] standard deviation of a coordinate of its points
   std::optional<RadiiMatch> radii;
+  std::optional<BlurMatch> blur;
   /// Residuals of the corners, observed - predicted [pixel]; NaN where it was left out.
   std::vector<Vec2> residuals;
   int steps = 0;

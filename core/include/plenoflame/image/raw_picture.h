@@ -16,7 +16,7 @@ struct RawPicture {
   int height = 0;
   int channels = 1;            ///< 1: grey or a mosaic, 3: RGB
   int bits = 16;               ///< that a number may have, 1 to 16
-  std::string kind;            ///< "TIFF", "PNG", "PGM", "JPEG" or "headerless", for messages
+  std::string kind;            ///< "TIFF", "PNG", "headerless" and others, for messages
   bool display_curve = false;  ///< the file says that its numbers follow a display's curve
   bool lossy = false;          ///< it was packed with losses (JPEG, also within TIFF)
   std::vector<std::uint16_t> samples;
@@ -37,10 +37,12 @@ struct RawLayout {
 /// Reads all pictures of a file in turn; only one picture is held at a time. Formats: the pages of
 /// a TIFF (strips or tiles, 1 to 16 bits), a PNG, a PGM (P5). A JPEG of 8 bits is marked as lossy.
 /// A PNG has 8 or 16 bits, or the significant bits that it declares. Numbers without header are
-/// read as `layout` says.
+/// read as `layout` says. Frames of an array in HDF5 or MAT 5 are pictures, too; FILE:ARRAY names
+/// the array where there are several. A Lytro camera's file holds packed numbers of 10 or 12 bits.
 /// @throws FileError: cannot be read, no picture, cut off, damaged, unsupported kind (floating
-///         point, palettes). Sizes in the header are checked before memory is allocated
-void read_raw_pictures(const std::string& path, const RawLayout& layout,
+///         point, palettes, arrays of other numbers than counts). Sizes in the header are checked
+///         before memory is allocated
+void read_raw_pictures(const std::string& name, const RawLayout& layout,
                        const std::function<void(RawPicture&&)>& take);
 
 /// The picture mirrored left to right if `mirror`, then turned clockwise by quarter turns.
