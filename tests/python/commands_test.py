@@ -344,9 +344,9 @@ width = "10 nm"
         with self.assertRaisesRegex(TypeError, "missing a required argument: 'board'"):
             plenoflame.calibrate_corners(pictures, real, cell=1)
         for sentence, corners, arguments in (
-                (r"^corners takes an array of the shape \(n, 7\) or \(n, 5\), not \(3, 4\)", numpy.zeros((3, 4)), {}),
+                (r"^corners takes an array of the shape \(n, 10\) or \(n, 7\) or \(n, 5\), not \(3, 4\)", numpy.zeros((3, 4)), {}),
                 ("^corners takes the columns pose, x, y, column, row, not pose, rms_pixel,", found.poses, {}),
-                (r"^corners\[1\]: 0.5 is not a whole number", plain[:2] + 0.5 * numpy.eye(2, 7, -1), {}),
+                (r"^corners\[1\]: 0.5 is not a whole number", plain[:2] + 0.5 * numpy.eye(2, plain.shape[1], -1), {}),
                 (r"^radii\[0\]: type 7: the camera's types are 0 to 0", plain, {"radii": [[7, 4, 9, 0.1]]}),
                 ("^centres takes finite numbers", plain, {"centres": [[0, 0, float("nan"), 1]]}),
                 ("^pupil: 2 is not a number from 0 to 1", plain, {"pupil": 2}),

@@ -39,6 +39,8 @@ Rig.__doc__ = "What calibrate_rig() found: a Scene with all cameras, in the firs
 _RAW, _WHITE, _RADIOMETRY, _BOARDS, _GEOMETRY, _RIG = (Settings(kind.settings()) for kind in (
     _core.RawImport, _core.White, _core.Radiometry, _core.Boards, _core.Geometry, _core.Rig))
 _CORNERS = ("pose", "x", "y", "column", "row")
+_WITH_LENS = (*_CORNERS, "q", "r")
+_WITH_BLUR = (*_WITH_LENS, "error", "blur", "blur_error")
 _POSES = ("pose", "rms_pixel", "x", "y", "z", *(f"r{row}{column}" for row in range(3) for column in range(3)))
 
 
@@ -201,8 +203,9 @@ def calibrate_geometry(corners, camera, *, progress=None, **settings):
 
         found = plenoflame.calibrate_geometry(boards.corners, camera, centres=white.centres, radii=white.radii)
 
-    corners: of calibrate_corners; an array (n, 5) of pose, x, y on the board [m], column, row in pixels, or (n, 7) with q, r of the
-    microlens; or the name of a file of these. Pixel (0, 0) has its centre at (0.5, 0.5)
+    corners: of calibrate_corners; an array (n, 5) of pose, x, y on the board [m], column, row in pixels, (n, 7) with q, r of the
+    microlens, or (n, 10) with error, blur and error of the blur [pixels]; or the name of a file of these. Pixel (0, 0) has its centre at
+    (0.5, 0.5)
     camera: a Scene with the camera to start with: nominal values will do
 
     {settings}
@@ -217,7 +220,7 @@ def calibrate_geometry(corners, camera, *, progress=None, **settings):
     if isinstance(corners, (str, os.PathLike)):
         run.set_corners(os.fspath(corners))
     else:
-        run.set_table("corners", _rows("corners", corners, (*_CORNERS, "q", "r"), _CORNERS))
+        run.set_table("corners", _rows("corners", corners, _WITH_BLUR, _WITH_LENS, _CORNERS))
     for name, columns in (("centres", ("q", "r", "column", "row")), ("radii", ("type", "f_number", "radius", "error"))):
         if not isinstance(settings.get(name), (type(None), str, os.PathLike)):
             run.set_table(name, _rows(name, settings.pop(name), columns))
