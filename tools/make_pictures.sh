@@ -93,6 +93,7 @@ if chosen tutorial; then
   convert out/tutorial.png -filter point -resize 300% out/panel-raw.png
   convert out/tutorial-views/contact.png -filter point -resize 500% out/panel-views.png
   join tutorial out/panel-raw.png out/panel-views.png
+  PLENOFLAME=$plenoflame tools/draw_tutorial.py
 fi
 
 # A sensor of 600 x 600 pixels: whole, and a part of it enlarged; then what becomes of it.

@@ -62,7 +62,8 @@ def main():
         for threads in options.threads:
             def run(iterations):
                 return measured([command, "reconstruct", *scene, "--images", *images, "--grid", options.grid, "--rays",
-                                 str(options.rays), "--solver", "cgls", "--strength", "1e-6", "--iterations", str(iterations),
+                                 str(options.rays), "--solver", "cgls", "--noise", "0.01", "--strength", "1e-6", "--iterations",
+                                 str(iterations),
                                  "--draws", "0", "--probes", "0", "--memory", "12000", "--threads", str(threads), "--quiet", "--json",
                                  "-o", "x.vdb"], folder)
             one, clock, processors, _ = run(1)
