@@ -31,7 +31,7 @@ shot desktop-array examples/lenslets-30.toml --size 1500x900 --pixel 150,150 --p
 shot desktop-refocus examples/paper-previous-60x60.toml --size 1500x900 --depth "1 m" --panel Design
 shot desktop-small examples/lenslets-30.toml --size 1366x768 --pixel 150,150 --panel Rays --dark
 if [ -f examples/candle.vdb ]; then
-  shot desktop-medium examples/candle.toml --size 1600x1000 --panel Flame
+  shot desktop-medium examples/candle.toml --size 1600x1000 --panel Flame --part flame
 else
   echo "make_screenshots.sh: desktop-medium was left out: plenoflame flame candle -o examples/candle.vdb" >&2
 fi

@@ -11,6 +11,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plot.h"
+#include "readable.h"
 
 namespace plenoflame::cli {
 namespace {

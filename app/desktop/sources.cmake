@@ -30,6 +30,7 @@ set(desktop_model_sources
   model/undo_history.cpp)
 set(desktop_widget_sources
   widgets/window/beside_window.cpp
+  widgets/image/axes_frame.cpp
   widgets/image/colour_bar.cpp
   widgets/window/compare_window.cpp
   widgets/panels/design_panel.cpp
@@ -70,6 +71,7 @@ set(desktop_widget_sources
   widgets/scene/scene_geometry.cpp
   widgets/scene/scene_labels.cpp
   widgets/panels/scene_panel.cpp
+  widgets/panels/slices_page.cpp
   widgets/scene/scene_view.cpp
   widgets/scene/scene_view_aim.cpp
   widgets/scene/scene_view_light.cpp

@@ -12,6 +12,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
+#include "readable.h"
 
 namespace plenoflame {
 namespace {
@@ -324,12 +325,6 @@ void paint(cairo_t* context, const std::vector<Plot>& plots, int columns) {
 }
 
 }  // namespace
-
-double tick_step(double length, int labels) {
-  const double rough = length / labels, decade = std::pow(10.0, std::floor(std::log10(rough)));
-  const double digits = rough / decade;
-  return decade * (digits < 1.5 ? 1 : digits < 3.5 ? 2 : digits < 7.5 ? 5 : 10);
-}
 
 std::string plot_svg(const std::vector<Plot>& plots, int columns) {
   std::string bytes;

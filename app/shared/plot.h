@@ -33,9 +33,6 @@ struct Plot {
   bool equal_scales = false;  ///< a unit is as long across as up (linear axes)
 };
 
-/// Between the labels of a linear axis of this length: 1, 2 or 5 times a power of ten.
-double tick_step(double length, int labels);
-
 /// The colour of the k-th series where nothing better is known.
 std::array<double, 3> plot_colour(std::size_t k);
 

@@ -42,4 +42,10 @@ std::string readable_number(double value) {
   return four_digits(value);
 }
 
+double tick_step(double length, int labels) {
+  const double rough = length / labels, decade = std::pow(10.0, std::floor(std::log10(rough)));
+  const double digits = rough / decade;
+  return decade * (digits < 1.5 ? 1 : digits < 3.5 ? 2 : digits < 7.5 ? 5 : 10);
+}
+
 }  // namespace plenoflame

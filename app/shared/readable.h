@@ -17,5 +17,7 @@ std::string readable_percent(double share);
 std::string readable_in(double value, const std::string& unit);
 /// A number: four significant digits.
 std::string readable_number(double value);
+/// Between the labels of a linear axis of this length: 1, 2 or 5 times a power of ten.
+double tick_step(double length, int labels);
 
 }  // namespace plenoflame

@@ -13,6 +13,8 @@
 #include "gui_tests.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
+#include "widgets/image/axes_frame.h"
+#include "widgets/image/image_view.h"
 #include "widgets/panels/reconstruct_panel.h"
 #include "widgets/window/beside_window.h"
 #include "window_fixture.h"
@@ -68,6 +70,7 @@ class ReconstructTest : public test::WindowFixture {
   }
   void open_round_flame() {
     begin();
+    window_->resize(1366, 768);
     write(file("round.toml"), kRoundFlame);
     QVERIFY(window_->open(file("round.toml")));
     QVERIFY(settled());
@@ -82,6 +85,11 @@ class ReconstructTest : public test::WindowFixture {
     QCOMPARE(cameras->topLevelItemCount(), 1);
     QCOMPARE(cameras->topLevelItem(0)->text(1), QString("that in the window"));
     QVERIFY(!push("reconstructSave")->isEnabled());
+    // One camera takes rings, and says why; a low window shows the begin of the group.
+    QCOMPARE(child<QComboBox>("reconstructUnknowns")->currentData().toString(), QString("rings"));
+    QVERIFY(child<QLabel>("reconstructWhy")->text().contains("depth"));
+    QVERIFY(child<QLabel>("reconstructWhy")->isVisible());
+    QVERIFY(!push("reconstructStart")->visibleRegion().isEmpty());
     choose("reconstructUnknowns", "Ellipsoidal layers");
     fill("reconstructGrid", "4");
     fill("reconstructBin", "3");
@@ -110,6 +118,31 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY2(std::abs(found / truth - 1) < 0.25,
              qPrintable(QString("%1 and %2").arg(found).arg(truth)));
     QVERIFY(child<QPlainTextEdit>("reconstructReport")->toPlainText().contains("chi^2"));
+    // Value, deviation, truth and difference are seen, with their colours and axes in millimetres.
+    for (const char* name : {"reconstructFound", "reconstructTruth", "reconstructDeviation",
+                             "reconstructDifference"}) {
+      auto* const view = child<ImageView>(name);
+      auto* const frame = qobject_cast<AxesFrame*>(view->parentWidget());
+      QVERIFY2(frame && view->image() && !view->image()->empty(), name);
+      QCOMPARE(frame->across().name, QString("y [mm]"));
+      QCOMPARE(frame->up().name, QString("z [mm]"));
+      QVERIFY(std::abs(frame->across().first + frame->across().last) < 1e-6);  // the axis: y = 0
+    }
+    // Deviation and difference have one scale: their largest size where the flame is lit.
+    const auto deviation = std::find_if(
+        fields.fields.begin(), fields.fields.end(),
+        [](const ReconstructFields::Field& f) { return f.name == "emission_deviation"; });
+    QVERIFY(deviation != fields.fields.end());
+    float size_of_errors = 0;
+    for (std::size_t i = 0; i < emission.found.size(); ++i)
+      if (static_cast<double>(emission.found[i]) >= 0.05 * emission.largest)
+        size_of_errors =
+            std::max({size_of_errors, deviation->found[i],
+                      emission.truth[i] > 0 ? std::abs(emission.found[i] - emission.truth[i]) : 0});
+    const auto& tone = child<ImageView>("reconstructDifference")->tone_settings();
+    QVERIFY(tone.is_signed);
+    QCOMPARE(tone.white, static_cast<double>(size_of_errors));
+    QCOMPARE(child<ImageView>("reconstructDeviation")->tone_settings().white, tone.white);
     // Beside the truth in three dimensions, both seen.
     QTest::mouseClick(push("reconstructBeside"), Qt::LeftButton);
     auto* const beside = window_->findChild<BesideWindow*>();
@@ -231,6 +264,7 @@ class ReconstructTest : public test::WindowFixture {
 
   void whatIsWrongIsSaidAndAStopKeepsTheIterate() {
     open_round_flame();
+    choose("reconstructUnknowns", "Voxels");
     fill("reconstructGrid", "none");
     QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
     QVERIFY(ended());
@@ -245,7 +279,13 @@ class ReconstructTest : public test::WindowFixture {
     QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
     // Stopped once there is an iterate on display.
     QVERIFY(until([this] { return job().fields() != nullptr; }));
+    // The panel tells the share of the work and the time that is left, and that it stops.
+    const auto* const state = child<QLabel>("reconstructState");
+    QVERIFY(until([state] { return state->text().contains(" %, "); }));
+    QVERIFY2(state->text().contains("to go"), qPrintable(state->text()));
     QTest::mouseClick(push("reconstructStop"), Qt::LeftButton);
+    QVERIFY2(state->text().contains("stopping") || job().state() != ReconstructJob::State::running,
+             qPrintable(state->text()));
     QVERIFY(ended());
     QVERIFY2(job().text().startsWith("stopped") || job().text() == "finished",
              qPrintable(job().text()));

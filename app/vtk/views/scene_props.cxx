@@ -44,8 +44,8 @@ vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data, const std::array<double, 3
   actor->SetMapper(mapper_of(data));
   actor->GetProperty()->SetColor(colour[0], colour[1], colour[2]);
   actor->GetProperty()->SetOpacity(opacity);
-  actor->GetProperty()->SetSpecular(0.4);
-  actor->GetProperty()->SetSpecularPower(30);
+  actor->GetProperty()->SetSpecular(opacity < 1 ? 1 : 0.4);  // glass mirrors the lamp
+  actor->GetProperty()->SetSpecularPower(opacity < 1 ? 60 : 30);
   return actor;
 }
 

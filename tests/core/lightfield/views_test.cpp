@@ -170,7 +170,9 @@ TEST_F(PaintedViews, ReportTheirProgress) {
   expect_shares("micro-images");
   extract_views(field, micro, settings, watched);
   expect_shares("views");
-  refocus(field, micro, {}, watched);
+  RefocusSettings plane;
+  plane.depth = 1;
+  refocus(field, micro, plane, watched);
   expect_shares("a plane");
   focus_stack(field, micro, {0.9, 1, 1.1}, {}, watched);
   expect_shares("a stack of planes");

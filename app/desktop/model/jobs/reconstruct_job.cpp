@@ -98,7 +98,7 @@ struct ReconstructJob::Run {
   std::vector<ReconstructSource> sources;
   Options options;
   // The following belong to the worker's thread.
-  std::chrono::steady_clock::time_point told;
+  std::chrono::steady_clock::time_point told, begun, share_told;
   QVector<QPointF> trials, solution;  ///< not reported yet
   int iterations = 0;
   bool has_box = false;
@@ -123,6 +123,9 @@ void ReconstructJob::start(std::vector<ReconstructSource> sources, const Options
   fields_ = nullptr;
   result_ = nullptr;
   report_.clear();
+  share_ = 0;
+  remaining_seconds_ = -1;
+  stopping_ = false;
   text_ = tr("preparing the cameras");
   set_state(State::running);
   emit progressed();
@@ -131,6 +134,7 @@ void ReconstructJob::start(std::vector<ReconstructSource> sources, const Options
 
 void ReconstructJob::stop() {
   if (state_ != State::running) return;
+  stopping_ = true;
   text_ = tr("stopping");
   task_.cancel();
   emit progressed();
@@ -159,10 +163,24 @@ void ReconstructJob::watch(const std::shared_ptr<Run>& run, const Reconstruction
     trials_ << trials;
     solution_ << solution;
     fields_ = fields;
-    text_ = (choosing ? tr("trying strengths of the penalty, iteration %1: chi^2 per row %2")
-                      : tr("iteration %1: chi^2 per row %2"))
-                .arg(point.x())
-                .arg(point.y(), 0, 'g', 4);
+    if (!stopping_)
+      text_ = (choosing ? tr("trying strengths of the penalty, iteration %1: chi^2 per row %2")
+                        : tr("iteration %1: chi^2 per row %2"))
+                  .arg(point.x())
+                  .arg(point.y(), 0, 'g', 4);
+    emit progressed();
+  });
+}
+
+void ReconstructJob::tell_share(const std::shared_ptr<Run>& run, double share) {
+  const auto now = std::chrono::steady_clock::now();
+  if (share <= 0 || now - run->share_told < kIterateInterval) return;
+  run->share_told = now;
+  const double spent = std::chrono::duration<double>(now - run->begun).count();
+  post(this, [this, run, share, left = spent * (1 - share) / share] {
+    if (run != run_ || state_ != State::running) return;
+    share_ = share;
+    remaining_seconds_ = left;
     emit progressed();
   });
 }
@@ -176,7 +194,7 @@ void ReconstructJob::run(const std::shared_ptr<Run>& run, const std::stop_token&
   };
   const auto say = [&](const QString& text) {
     post(this, [this, run, text] {
-      if (run != run_ || state_ != State::running) return;
+      if (run != run_ || state_ != State::running || stopping_) return;
       text_ = text;
       emit progressed();
     });
@@ -202,6 +220,8 @@ void ReconstructJob::run(const std::shared_ptr<Run>& run, const std::stop_token&
                        source.what);
     }
     say(tr("following rays"));
+    run->begun = std::chrono::steady_clock::now();
+    execution.progress = [&](const Progress& progress) { tell_share(run, progress.fraction); };
     task->run(execution, [&](const ReconstructionState& state, const Unknowns& unknowns) {
       watch(run, state, unknowns);
     });

@@ -56,6 +56,9 @@ class ReconstructJob : public QObject {
   /// Ends it with what was reached.
   void stop();
 
+  /// Share of the whole work, 0 to 1; 0: not known yet.
+  double share() const { return share_; }
+  double remaining_seconds() const { return remaining_seconds_; }  ///< negative: not known yet
   State state() const { return state_; }
   /// The step that is being done, or why it failed.
   const QString& text() const { return text_; }
@@ -76,6 +79,7 @@ class ReconstructJob : public QObject {
  private:
   struct Run;
   void run(const std::shared_ptr<Run>& run, const std::stop_token& stop);
+  void tell_share(const std::shared_ptr<Run>& run, double share);
   void watch(const std::shared_ptr<Run>& run, const ReconstructionState& state,
              const Unknowns& unknowns);
   void set_state(State state);
@@ -83,6 +87,8 @@ class ReconstructJob : public QObject {
   State state_ = State::idle;
   QString text_, report_;
   QVector<QPointF> trials_, solution_;
+  double share_ = 0, remaining_seconds_ = -1;
+  bool stopping_ = false;
   std::shared_ptr<const ReconstructFields> fields_;
   std::shared_ptr<const ReconstructionTask> result_;
   std::shared_ptr<Run> run_;

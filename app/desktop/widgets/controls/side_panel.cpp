@@ -60,14 +60,19 @@ void SidePanel::add(const char* name, const QString& title, QWidget* content) {
   rows->addWidget(content, 1);
   content->hide();
   column_->insertWidget(static_cast<int>(groups_.size()), whole);
-  groups_.push_back({whole, content, action});
+  groups_.push_back({whole, head, content, action});
   connect(action, &QAction::toggled, this, [this, whole, content, head](bool on) {
     head->setArrowType(on ? Qt::DownArrow : Qt::RightArrow);
     content->setVisible(on);
     column_->setStretchFactor(whole, on ? 1 : 0);
     // Its place is known once everything has been laid out.
-    if (on) QTimer::singleShot(0, whole, [this, whole] { ensureWidgetVisible(whole, 0, 0); });
+    if (on) QTimer::singleShot(0, whole, [this, whole, head] { show_group(*whole, *head); });
   });
+}
+
+void SidePanel::show_group(QWidget& whole, QWidget& head) {
+  ensureWidgetVisible(&whole, 0, 0);
+  ensureWidgetVisible(&head, 0, 0);
 }
 
 bool SidePanel::open(const QString& name) {
@@ -77,7 +82,7 @@ bool SidePanel::open(const QString& name) {
       continue;
     show();
     group.action->setChecked(true);
-    ensureWidgetVisible(group.whole, 0, 0);
+    show_group(*group.whole, *group.head);
     return true;
   }
   return false;

@@ -28,9 +28,12 @@ class SidePanel : public QScrollArea {
 
  private:
   struct Group {
-    QWidget *whole, *content;
+    QWidget *whole, *head, *content;
     QAction* action;
   };
+  /// Scrolls to a group: to its head if not all of it has room.
+  void show_group(QWidget& whole, QWidget& head);
+
   std::vector<Group> groups_;
   QVBoxLayout* column_;
 };

@@ -11,7 +11,6 @@
 #include <QPlainTextEdit>
 #include <QPushButton>
 #include <QSignalBlocker>
-#include <QSlider>
 #include <QTreeWidget>
 #include <QVBoxLayout>
 #include <algorithm>
@@ -23,25 +22,12 @@
 #include "widgets/controls/file_chooser.h"
 #include "widgets/controls/flow_layout.h"
 #include "widgets/controls/plot_widget.h"
-#include "widgets/image/image_view.h"
+#include "widgets/panels/render_panel.h"
+#include "widgets/panels/slices_page.h"
 #include "widgets/window/beside_window.h"
 
 namespace plenoflame::desktop {
 namespace {
-
-/// A picture may be finer than the field: values between 0 and the largest of found and truth.
-void show_slice_of(ImageView& view, const ReconstructFields& fields,
-                   const std::vector<float>& values, int axis, double share, double white) {
-  ToneSettings tone;
-  tone.scale = ToneScale::linear;
-  tone.map = ColourMap::inferno;
-  tone.white = white > 0 ? white : 1;
-  view.set_tone(tone);
-  Image slice = fields.slice(values, axis, share);
-  if (slice.empty()) return view.set_image(nullptr);
-  view.set_image(std::make_shared<const ImagePyramid>(
-      std::make_shared<const Image>(std::move(slice)), Execution{1, {}, {}, {}}));
-}
 
 QComboBox* choice_of(QWidget* parent, const char* name, const QString& tip,
                      const std::vector<std::pair<QString, QString>>& entries) {
@@ -69,8 +55,6 @@ ReconstructPanel::ReconstructPanel(Session& session, FileChooser& chooser, QWidg
   for (QComboBox* box : {find_, unknowns_, solver_})
     connect(box, chosen, this, &ReconstructPanel::show_choices);
   connect(strength_, &QLineEdit::textChanged, this, &ReconstructPanel::show_choices);
-  for (QComboBox* box : {field_, axis_}) connect(box, chosen, this, &ReconstructPanel::show_slices);
-  connect(position_, &QSlider::valueChanged, this, &ReconstructPanel::show_slices);
   connect(start_, &QPushButton::clicked, this, &ReconstructPanel::start);
   connect(stop_, &QPushButton::clicked, &job_, &ReconstructJob::stop);
   connect(save_, &QPushButton::clicked, this, &ReconstructPanel::save_requested);
@@ -81,6 +65,7 @@ ReconstructPanel::ReconstructPanel(Session& session, FileChooser& chooser, QWidg
     window_->show();
     window_->raise();
   });
+  connect(cameras_, &QTreeWidget::itemChanged, this, &ReconstructPanel::propose_unknowns);
   connect(&session_.document(), &Document::scene_changed, this, &ReconstructPanel::fill_cameras);
   connect(&session_.document(), &Document::image_changed, this, &ReconstructPanel::show_pictures);
   connect(&job_, &ReconstructJob::state_changed, this, &ReconstructPanel::show_job);
@@ -124,6 +109,11 @@ void ReconstructPanel::make_choices(QWidget* page) {
                         {{tr("Voxels"), "voxels"},
                          {tr("Rings x heights (a round flame)"), "rings"},
                          {tr("Ellipsoidal layers"), "layers"}});
+  why_ = new QLabel(page);
+  why_->setObjectName("reconstructWhy");
+  why_->setWordWrap(true);
+  connect(unknowns_, QOverload<int>::of(&QComboBox::activated), this,
+          [this] { unknowns_chosen_ = true; });
   const auto line = [&](const char* name, const QString& text, const QString& tip) {
     auto* edit = new QLineEdit(text, page);
     edit->setObjectName(name);
@@ -188,6 +178,7 @@ QWidget* ReconstructPanel::make_form() {
   form->setFieldGrowthPolicy(QFormLayout::AllNonFixedFieldsGrow);
   form->addRow(tr("Find"), find_);
   form->addRow(tr("Unknowns"), unknowns_);
+  form->addRow(why_);
   form->addRow(tr("Grid"), grid_);
   form->addRow(tr("Centre"), centre_);
   form->addRow(tr("Size"), size_);
@@ -243,42 +234,7 @@ void ReconstructPanel::make_result() {
   curve_->setObjectName("reconstructCurve");
   curve_->set_axes(tr("iteration"), tr("chi^2 per row"), false, true);
   curve_->set_empty_text(tr("How well the pictures are explained appears here."));
-  field_ = choice_of(page, "reconstructField", tr("What the slices show"), {});
-  axis_ = choice_of(page, "reconstructAxis", tr("Plane of the slices, across an axis of the grid"),
-                    {{tr("across x"), "0"}, {tr("across y"), "1"}, {tr("across z"), "2"}});
-  position_ = new QSlider(Qt::Horizontal, page);
-  position_->setObjectName("reconstructPosition");
-  position_->setRange(0, 100);
-  position_->setValue(50);
-  position_->setToolTip(tr("Where the slices are cut"));
-  auto* cut = new QHBoxLayout;
-  cut->addWidget(field_, 2);
-  cut->addWidget(axis_, 1);
-  cut->addWidget(position_, 2);
-  const auto slice = [&](const char* name) {
-    auto* view = new ImageView(page);
-    view->setObjectName(name);
-    view->set_smooth(false);
-    view->setMinimumSize(90, 90);
-    return view;
-  };
-  found_ = slice("reconstructFound");
-  truth_ = slice("reconstructTruth");
-  found_->set_empty_text(tr("what is found"));
-  truth_->set_empty_text(tr("the flame of the scene"));
-  found_title_ = new QLabel(tr("found"), page);
-  found_title_->setObjectName("reconstructFoundTitle");
-  truth_title_ = new QLabel(tr("in the scene"), page);
-  auto* slices = new QHBoxLayout;
-  for (const auto& [title, view] : {std::pair{found_title_, found_}, {truth_title_, truth_}}) {
-    // A long title must not make its slice wider than the other one.
-    title->setWordWrap(true);
-    title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
-    auto* column = new QVBoxLayout;
-    column->addWidget(title);
-    column->addWidget(view, 1);
-    slices->addLayout(column, 1);
-  }
+  slices_ = new SlicesPage(page);
   report_ = new QPlainTextEdit(page);
   report_->setObjectName("reconstructReport");
   report_->setReadOnly(true);
@@ -286,8 +242,7 @@ void ReconstructPanel::make_result() {
   report_->setLineWrapMode(QPlainTextEdit::WidgetWidth);
   auto* layout = new QVBoxLayout(page);
   layout->setContentsMargins(0, 0, 0, 0);
-  layout->addLayout(cut);
-  layout->addLayout(slices, 4);
+  layout->addWidget(slices_, 5);
   auto* below = new QHBoxLayout;
   below->addWidget(curve_, 1);
   below->addWidget(report_, 1);
@@ -360,6 +315,7 @@ void ReconstructPanel::show_pictures() {
     row.item->setToolTip(1, row.file);
   }
   start_->setEnabled(!rows_.empty() && job_.state() != ReconstructJob::State::running);
+  propose_unknowns();
 }
 
 void ReconstructPanel::set_picture(int row, const QString& file) {
@@ -401,7 +357,20 @@ void ReconstructPanel::add_scene(const QString& file) {
   show_pictures();
 }
 
+/// Rings for one camera and voxels for several, until the user chooses.
+void ReconstructPanel::propose_unknowns() {
+  const auto taken = std::ranges::count_if(
+      rows_, [](const Row& row) { return row.item->checkState(0) == Qt::Checked; });
+  if (!unknowns_chosen_ && taken > 0)
+    unknowns_->setCurrentIndex(unknowns_->findData(taken == 1 ? "rings" : "voxels"));
+  const bool voxels = unknowns_->currentData().toString() == "voxels";
+  why_->setText(voxels ? tr("One camera cannot tell the depth of voxels.")
+                       : tr("One camera cannot tell the depth: the flame is taken to be round."));
+  why_->setVisible(taken == 1 && unknowns_->currentData().toString() != "layers");
+}
+
 void ReconstructPanel::show_choices() {
+  propose_unknowns();
   const QString unknowns = unknowns_->currentData().toString(),
                 find = find_->currentData().toString(), solver = solver_->currentData().toString();
   grid_->setPlaceholderText(unknowns == "voxels"  ? tr("32 along the longest side")
@@ -480,7 +449,11 @@ void ReconstructPanel::show_job() {
   stop_->setEnabled(running);
   save_->setEnabled(job_.result() != nullptr);
   beside_->setEnabled(job_.result() != nullptr);
-  state_->setText(job_.text());
+  const bool shared = running && job_.share() > 0;
+  state_->setText(!shared ? job_.text()
+                          : tr("%1 %, %2 to go: %3")
+                                .arg(100 * job_.share(), 0, 'f', 0)
+                                .arg(duration_text(job_.remaining_seconds()), job_.text()));
   PlotWidget::Series trials, solution;
   trials.name = tr("strengths that are tried");
   trials.colour = QColor(150, 150, 150);
@@ -490,42 +463,7 @@ void ReconstructPanel::show_job() {
   solution.points = job_.solution();
   curve_->set_series({trials, solution});
   if (report_->toPlainText() != job_.report()) report_->setPlainText(job_.report());
-  const QString before = field_->currentText();
-  QStringList names;
-  if (job_.fields())
-    for (const auto& field : job_.fields()->fields) names << QString::fromStdString(field.name);
-  QStringList present;
-  for (int i = 0; i < field_->count(); ++i) present << field_->itemText(i);
-  if (names != present) {
-    const QSignalBlocker quiet(field_);
-    field_->clear();
-    field_->addItems(names);
-    int wanted = names.indexOf(before);
-    if (wanted < 0) wanted = names.indexOf("emission");
-    field_->setCurrentIndex(std::max(0, wanted));
-  }
-  show_slices();
-}
-
-void ReconstructPanel::show_slices() {
-  const auto& fields = job_.fields();
-  const int chosen = field_->currentIndex();
-  if (!fields || chosen < 0 || chosen >= static_cast<int>(fields->fields.size())) {
-    found_->set_image(nullptr);
-    truth_->set_image(nullptr);
-    return;
-  }
-  const auto& field = fields->fields[static_cast<std::size_t>(chosen)];
-  const int axis = axis_->currentIndex();
-  const double share = position_->value() / 100.0;
-  show_slice_of(*found_, *fields, field.found, axis, share, field.largest);
-  show_slice_of(*truth_, *fields, field.truth, axis, share, field.largest);
-  truth_->set_empty_text(job_.result() ? tr("not known of %1").arg(field_->currentText())
-                                       : tr("the flame of the scene"));
-  found_title_->setText(tr("found: %1, up to %2 %3")
-                            .arg(QString::fromStdString(field.name))
-                            .arg(field.largest, 0, 'g', 4)
-                            .arg(QString::fromStdString(field.unit)));
+  slices_->set_fields(job_.fields(), job_.result() != nullptr);
 }
 
 }  // namespace plenoflame::desktop

@@ -15,7 +15,6 @@ class QLayout;
 class QLineEdit;
 class QPlainTextEdit;
 class QPushButton;
-class QSlider;
 class QTreeWidget;
 class QTreeWidgetItem;
 
@@ -23,8 +22,8 @@ namespace plenoflame::desktop {
 
 class BesideWindow;
 class FileChooser;
-class ImageView;
 class PlotWidget;
+class SlicesPage;
 
 /// The flame back from its pictures: cameras and pictures, what is looked for, the way there, and
 /// the result beside the flame of the scene.
@@ -67,8 +66,8 @@ class ReconstructPanel : public QWidget {
   void fill_cameras();
   void show_pictures();
   void show_choices();
+  void propose_unknowns();
   void show_job();
-  void show_slices();
   void start();
   void choose_file();
   void choose_scene();
@@ -82,17 +81,17 @@ class ReconstructPanel : public QWidget {
   QWidget* result_ = nullptr;
   QTreeWidget* cameras_ = nullptr;
   QComboBox *find_ = nullptr, *unknowns_ = nullptr, *absorption_ = nullptr, *channel_ = nullptr,
-            *solver_ = nullptr, *field_ = nullptr, *axis_ = nullptr;
+            *solver_ = nullptr;
   QLineEdit *grid_ = nullptr, *centre_ = nullptr, *size_ = nullptr, *rings_axis_ = nullptr,
             *ratios_ = nullptr, *noise_ = nullptr, *strength_ = nullptr, *rays_ = nullptr,
             *bin_ = nullptr, *iterations_ = nullptr;
   QCheckBox* behind_dark_ = nullptr;
   QPushButton *start_ = nullptr, *stop_ = nullptr, *save_ = nullptr, *beside_ = nullptr,
               *own_ = nullptr;
-  QSlider* position_ = nullptr;
-  QLabel *state_ = nullptr, *found_title_ = nullptr, *truth_title_ = nullptr;
+  QLabel *state_ = nullptr, *why_ = nullptr;
+  bool unknowns_chosen_ = false;  ///< by the user
   PlotWidget* curve_ = nullptr;
-  ImageView *found_ = nullptr, *truth_ = nullptr;
+  SlicesPage* slices_ = nullptr;
   QPlainTextEdit* report_ = nullptr;
   BesideWindow* window_ = nullptr;
 };

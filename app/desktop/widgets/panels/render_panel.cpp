@@ -16,15 +16,12 @@
 #include "widgets/controls/plot_widget.h"
 
 namespace plenoflame::desktop {
-namespace {
 
-QString duration(double seconds) {
+QString duration_text(double seconds) {
   if (seconds < 0) return QString::fromUtf8("\xe2\x80\x93");
   if (seconds < 100) return QObject::tr("%1 s").arg(seconds, 0, 'f', seconds < 10 ? 1 : 0);
   return QObject::tr("%1 min").arg(seconds / 60, 0, 'f', 1);
 }
-
-}  // namespace
 
 RenderPanel::RenderPanel(Session& session, QWidget* parent) : QWidget(parent), session_(session) {
   const auto button = [this](const QString& text, const char* name, const QString& tip) {
@@ -130,9 +127,9 @@ QString RenderPanel::brief() const {
   if (status.relative_error >= 0)
     parts << tr("error %1 %").arg(100 * status.relative_error, 0, 'g', 2);
   if (job.state() == RenderJob::State::running && status.remaining_seconds >= 0)
-    parts << tr("%1 to go").arg(duration(status.remaining_seconds));
+    parts << tr("%1 to go").arg(duration_text(status.remaining_seconds));
   else if (status.seconds > 0)
-    parts << duration(status.seconds);
+    parts << duration_text(status.seconds);
   if (status.rays_per_second > 0)
     parts << tr("%1 million rays/s").arg(status.rays_per_second / 1e6, 0, 'f', 1);
   return parts.join(QString::fromUtf8(" \xc2\xb7 "));
@@ -176,8 +173,9 @@ void RenderPanel::show_status() {
                                        .arg(status.rays / 1e6, 0, 'f', 1)
                                  : QString::fromUtf8("\xe2\x80\x93"));
   time_->setText(
-      running ? tr("%1, %2 to go").arg(duration(status.seconds), duration(status.remaining_seconds))
-              : duration(status.seconds));
+      running ? tr("%1, %2 to go")
+                    .arg(duration_text(status.seconds), duration_text(status.remaining_seconds))
+              : duration_text(status.seconds));
   const RenderStatistics& s = job.statistics();
   const auto share = [](double part, double whole) {
     return whole > 0 ? QString::number(100 * part / whole, 'f', 0) : QString("0");

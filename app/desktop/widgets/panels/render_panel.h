@@ -12,6 +12,9 @@ namespace plenoflame::desktop {
 
 class PlotWidget;
 
+/// "1.5 s", "12 s", "2.0 min"; a dash for what is not known (below 0).
+QString duration_text(double seconds);
+
 /// Progress of the image, and its commands: pause, resume, stop, repeat, refine.
 class RenderPanel : public QWidget {
   Q_OBJECT

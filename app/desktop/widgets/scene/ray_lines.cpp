@@ -14,14 +14,22 @@
 #include <QColor>
 #include <algorithm>
 
+#include "widgets/image/image_view.h"
 #include "widgets/scene/section_view.h"
 
 namespace plenoflame::desktop {
 namespace {
 
 constexpr float kHighlightWidth = 4;  ///< [screen pixel] of the chosen ray
+constexpr int kLighter = 150;         ///< [%] on a dark ground
 
 }  // namespace
+
+QColor ray_colour(const RayPath& ray, bool dark) {
+  const bool typed = ray.status.status == RayStatus::reached && ray.type >= 0;
+  return typed ? type_colour(ray.type).lighter(dark ? kLighter : 100)
+               : status_colour(ray.status.status, dark);
+}
 
 std::vector<Vec3> drawn_ray(const RayPaths& paths, std::size_t ray, const Schematic& schematic) {
   std::vector<Vec3> points;
@@ -66,8 +74,7 @@ void add_ray_lines(const RayPaths& paths, int chosen_ray, bool dark, const Schem
     actor->GetProperty()->SetLineWidth(width);
     renderer.AddActor(actor);
   };
-  add(0, rays.size(), 1,
-      [&](const RayPath& ray) { return status_colour(ray.status.status, dark); });
+  add(0, rays.size(), 1, [&](const RayPath& ray) { return ray_colour(ray, dark); });
   const auto chosen = static_cast<std::size_t>(std::max(0, chosen_ray));
   if (chosen_ray >= 0 && chosen < rays.size())
     add(chosen, chosen + 1, kHighlightWidth, [](const RayPath&) { return chosen_colour(); });

@@ -1,4 +1,5 @@
 #pragma once
+#include <QColor>
 #include <vector>
 
 #include "model/schematic.h"
@@ -8,7 +9,10 @@ class vtkRenderer;
 
 namespace plenoflame::desktop {
 
-/// Draws rays as lines, coloured by how they ended.
+/// The colour of the type of its microlens if the ray arrives, else that of its end.
+QColor ray_colour(const RayPath& ray, bool dark);
+
+/// Draws rays as lines in these colours.
 /// @param chosen_ray the one that stands out; -1: none
 /// @param dark whether the background is
 void add_ray_lines(const RayPaths& paths, int chosen_ray, bool dark, const Schematic& schematic,

@@ -1,0 +1,203 @@
+#include "widgets/panels/slices_page.h"
+
+#include <QComboBox>
+#include <QGridLayout>
+#include <QLabel>
+#include <QSignalBlocker>
+#include <QSlider>
+#include <QVBoxLayout>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "widgets/image/axes_frame.h"
+#include "widgets/image/colour_bar.h"
+#include "widgets/image/image_view.h"
+
+namespace plenoflame::desktop {
+namespace {
+
+using Field = ReconstructFields::Field;
+
+const QString kDeviation = "_deviation";
+
+const Field* field_named(const ReconstructFields& fields, const std::string& name) {
+  const auto found =
+      std::ranges::find_if(fields.fields, [&](const Field& f) { return f.name == name; });
+  return found == fields.fields.end() ? nullptr : &*found;
+}
+
+/// Found minus true values; no numbers where the scene is dark.
+std::vector<float> differences(const Field& field) {
+  std::vector<float> all(field.truth.size(), std::numeric_limits<float>::quiet_NaN());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (field.truth[i] > 0) all[i] = field.found[i] - field.truth[i];
+  return all;
+}
+
+/// The largest size of values where the flame emits at least a twentieth of its maximum.
+double size_where_lit(const std::vector<float>& values, const Field* emission) {
+  constexpr double kLit = 0.05;
+  double size = 0;
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (std::isfinite(values[i]) &&
+        (!emission || static_cast<double>(emission->found[i]) >= kLit * emission->largest))
+      size = std::max(size, std::fabs(static_cast<double>(values[i])));
+  return size;
+}
+
+/// The axis of the lattice in millimetres, from edge to edge. Its numbers are those of the world if
+/// it lies along one of the world's axes, else they count from the first voxel.
+AxesFrame::Axis axis_of(const VoxelPlace& place, std::size_t k) {
+  const double half = 500 * place.spacing[k],
+               length = 2 * half * static_cast<double>(place.size[k]);
+  const Vec3 d = place.direction[k];
+  const std::array along{d.x, d.y, d.z};
+  const std::array origin{place.origin.x, place.origin.y, place.origin.z};
+  for (std::size_t world = 0; world < 3; ++world)
+    if (std::fabs(along[world]) > 0.999999) {
+      const double sign = along[world], first = 1e3 * origin[world] - sign * half;
+      return {QString("%1 [mm]").arg("xyz"[world]), first, first + sign * length};
+    }
+  return {QObject::tr("along the grid [mm]"), -half, length - half};
+}
+
+}  // namespace
+
+SlicesPage::SlicesPage(QWidget* parent) : QWidget(parent) {
+  auto* layout = new QVBoxLayout(this);
+  layout->setContentsMargins(0, 0, 0, 0);
+  layout->addLayout(make_choices());
+  found_ = make_slice("reconstructFound", tr("what is found"));
+  found_.title->setObjectName("reconstructFoundTitle");
+  truth_ = make_slice("reconstructTruth", tr("the flame of the scene"));
+  deviation_ = make_slice("reconstructDeviation", tr("how well it is known"));
+  difference_ = make_slice("reconstructDifference", tr("what is found, minus the truth"));
+  auto* grid = new QGridLayout;
+  int number = 0;
+  for (const Slice* slice : {&found_, &truth_, &deviation_, &difference_}) {
+    const int row = 2 * (number / 2), column = 2 * (number % 2);
+    grid->addWidget(slice->title, row, column, 1, 2);
+    grid->addWidget(slice->frame, row + 1, column);
+    grid->addWidget(slice->bar, row + 1, column + 1);
+    grid->setColumnStretch(column, 1);
+    grid->setRowStretch(row + 1, 1);
+    ++number;
+  }
+  layout->addLayout(grid, 1);
+}
+
+QLayout* SlicesPage::make_choices() {
+  const auto choice = [this](const char* name, const QString& tip, const QStringList& entries) {
+    auto* box = new QComboBox(this);
+    box->setObjectName(name);
+    box->setToolTip(tip);
+    box->addItems(entries);
+    box->setSizeAdjustPolicy(QComboBox::AdjustToMinimumContentsLengthWithIcon);
+    box->setMinimumContentsLength(8);
+    connect(box, QOverload<int>::of(&QComboBox::currentIndexChanged), this,
+            &SlicesPage::show_slices);
+    return box;
+  };
+  field_ = choice("reconstructField", tr("What the slices show"), {});
+  axis_ = choice("reconstructAxis", tr("Plane of the slices, across an axis of the grid"),
+                 {tr("across x"), tr("across y"), tr("across z")});
+  position_ = new QSlider(Qt::Horizontal, this);
+  position_->setObjectName("reconstructPosition");
+  position_->setRange(0, 100);
+  position_->setValue(50);
+  position_->setToolTip(tr("Where the slices are cut"));
+  connect(position_, &QSlider::valueChanged, this, &SlicesPage::show_slices);
+  auto* cut = new QHBoxLayout;
+  cut->addWidget(field_, 2);
+  cut->addWidget(axis_, 1);
+  cut->addWidget(position_, 2);
+  return cut;
+}
+
+SlicesPage::Slice SlicesPage::make_slice(const char* name, const QString& empty) {
+  Slice slice{new QLabel(this), new AxesFrame(name, this), new ColourBar(this)};
+  // A long title must not make its slice wider than the other one.
+  slice.title->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+  slice.frame->view().set_empty_text(empty);
+  return slice;
+}
+
+void SlicesPage::set_fields(std::shared_ptr<const ReconstructFields> fields, bool finished) {
+  fields_ = std::move(fields);
+  finished_ = finished;
+  const QString before = field_->currentText();
+  QStringList names, present;
+  if (fields_)
+    for (const Field& field : fields_->fields) {
+      const QString name = QString::fromStdString(field.name);
+      if (!name.endsWith(kDeviation)) names << name;
+    }
+  for (int i = 0; i < field_->count(); ++i) present << field_->itemText(i);
+  if (names != present) {
+    const QSignalBlocker quiet(field_);
+    field_->clear();
+    field_->addItems(names);
+    const int wanted = names.indexOf(names.contains(before) ? before : "emission");
+    field_->setCurrentIndex(std::max(0, wanted));
+  }
+  show_slices();
+}
+
+void SlicesPage::show_slices() {
+  const QString name = field_->currentText();
+  const Field* const field = fields_ ? field_named(*fields_, name.toStdString()) : nullptr;
+  const std::vector<float> none;
+  if (!field) {
+    for (Slice* slice : {&found_, &truth_, &deviation_, &difference_})
+      show_slice(*slice, none, 1, false);
+    return;
+  }
+  const Field* const deviation = field_named(*fields_, (name + kDeviation).toStdString());
+  const std::vector<float> errors = differences(*field);
+  const Field* const emission = field_named(*fields_, "emission");
+  const double reach = std::max(size_where_lit(deviation ? deviation->found : none, emission),
+                                size_where_lit(errors, emission));
+  const QString unit = QString::fromStdString(field->unit);
+  const auto titled = [&](const QString& what) {
+    return unit.isEmpty() ? what : what + " [" + unit + "]";
+  };
+  found_.title->setText(tr("found: %1").arg(titled(name)));
+  truth_.title->setText(titled(tr("in the scene")));
+  deviation_.title->setText(titled(tr("its deviation")));
+  difference_.title->setText(titled(tr("found - scene")));
+  truth_.frame->view().set_empty_text(finished_ ? tr("not known of %1").arg(name)
+                                                : tr("the flame of the scene"));
+  deviation_.frame->view().set_empty_text(finished_ ? tr("not known of %1").arg(name)
+                                                    : tr("how well it is known"));
+  show_slice(found_, field->found, field->largest, false);
+  show_slice(truth_, field->truth, field->largest, false);
+  show_slice(deviation_, deviation ? deviation->found : none, reach, false);
+  show_slice(difference_, errors, reach, true);
+}
+
+void SlicesPage::show_slice(Slice& slice, const std::vector<float>& values, double white,
+                            bool is_signed) {
+  ImageView& view = slice.frame->view();
+  Image image;
+  const int axis = axis_->currentIndex();
+  if (!values.empty()) image = fields_->slice(values, axis, position_->value() / 100.0);
+  slice.bar->setVisible(!image.empty());
+  if (image.empty()) {
+    slice.frame->set_axes({}, {});
+    return view.set_image(nullptr);
+  }
+  ToneSettings tone;
+  tone.scale = ToneScale::linear;
+  tone.map = is_signed ? ColourMap::diverging : ColourMap::inferno;
+  tone.is_signed = is_signed;
+  tone.white = white > 0 ? white : 1;
+  view.set_tone(tone);
+  slice.bar->set_tone(tone, Dimension::none);
+  view.set_image(std::make_shared<const ImagePyramid>(
+      std::make_shared<const Image>(std::move(image)), Execution{1, {}, {}, {}}));
+  slice.frame->set_axes(axis_of(fields_->place, axis == 0 ? 1 : 0),
+                        axis_of(fields_->place, axis == 2 ? 1 : 2));
+}
+
+}  // namespace plenoflame::desktop
