@@ -139,7 +139,7 @@ class MannersTest : public test::WindowFixture {
     open_small();
     for (int theme = 0; theme < 2; ++theme) {
       QVERIFY(click_menu({"View", "Dark theme"}));
-      auto* const action = window_->findChild<QAction*>("actionFollowRays");
+      auto* const action = child<QAction>("actionMeasured");
       QMenu menu(window_.get());
       menu.addAction(action);
       menu.popup(window_->mapToGlobal(QPoint(20, 20)));
