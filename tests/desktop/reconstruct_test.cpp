@@ -14,6 +14,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
 #include "widgets/image/axes_frame.h"
+#include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
 #include "widgets/panels/reconstruct_panel.h"
 #include "widgets/window/beside_window.h"
@@ -143,6 +144,13 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY(tone.is_signed);
     QCOMPARE(tone.white, static_cast<double>(size_of_errors));
     QCOMPARE(child<ImageView>("reconstructDeviation")->tone_settings().white, tone.white);
+    int signed_bars = 0;
+    for (const auto* bar : window_->light_field_panel().findChildren<ColourBar*>())
+      if (bar->isVisible() && bar->labels().front().startsWith('-')) {
+        ++signed_bars;
+        QCOMPARE(bar->labels()[2], QString("0"));
+      }
+    QCOMPARE(signed_bars, 1);
     // Beside the truth in three dimensions, both seen.
     QTest::mouseClick(push("reconstructBeside"), Qt::LeftButton);
     auto* const beside = window_->findChild<BesideWindow*>();

@@ -15,14 +15,16 @@ constexpr int kLabels = 5;
 /// The value that stands at a place of the scale, 0 to 1: tone() the other way
 /// round.
 double value_at(const ToneSettings& tone_of, double place) {
-  double low = tone_of.is_signed ? -tone_of.white : 0, high = tone_of.white;
-  if (tone_of.scale == ToneScale::logarithmic && !tone_of.is_signed)
+  if (tone_of.is_signed) return (2 * place - 1) * tone_of.white;
+  if (tone_of.scale == ToneScale::logarithmic)
     return tone_of.white * std::pow(10.0, tone_of.decades * (place - 1));
+  if (place <= 0) return 0;
+  double low = 0, high = tone_of.white;
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (tone(tone_of, middle) < place ? low : high) = middle;
   }
-  return place <= 0 ? (tone_of.is_signed ? -tone_of.white : 0) : 0.5 * (low + high);
+  return 0.5 * (low + high);
 }
 
 }  // namespace
