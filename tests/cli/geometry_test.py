@@ -81,6 +81,26 @@ class Boards(CommandTest):
         return self.json_of("calibrate", "corners", *names, "--camera", "real.toml", "--board", "5x4",
                             "--cell", "2.5 mm", "-o", "corners.csv", *more)
 
+    def of_blur(self, found):
+        """Blur tells the focal length of the microlenses, 0.5 mm; tables without it tell what they did."""
+        self.assertEqual(found["blur_corners"], found["corners"])
+        value = found["values"]["camera.array.types[0].focal_length"]
+        self.assertLess(abs(value["value"] / 0.5e-3 - 1), 0.02)
+        self.assertEqual(len(found["boards"]), 4)
+        for board, pose in zip(found["boards"], POSES):
+            self.assertLess(abs(1e3 * board["distance_m"] - pose[0]), 4e3 * board["error_m"])
+        rows = [line.split(",") for line in self.read("corners.csv").decode().splitlines()]
+        self.assertEqual(rows[0][-3:], ["error", "blur", "blur_error"])
+        run = ("--camera", "real.toml", "-o", "blur.toml", "--free", "camera.array.sensor_distance")
+        self.write("places.csv", "\n".join(",".join(row[:7]) for row in rows) + "\n")
+        self.assertNotIn("blur_corners", self.json_of("calibrate", "geometry", "places.csv", *run))
+        self.write("bad.csv", "\n".join(",".join(row[:9] + ["-1"]) for row in rows[1:]) + "\n")
+        self.fails(1, "calibrate", "geometry", "bad.csv", *run, mentions=["bad.csv:1", "not below 0"])
+        self.write("other.toml", camera().replace('focal_length = "0.5 mm"', 'focal_length = "0.56 mm"'))
+        result = self.run_command("calibrate", "geometry", "corners.csv", "--camera", "other.toml", *run[2:])
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertIn("focal lengths of microlenses differ by -1", result.stderr)
+
     def test_raw_pictures_to_a_camera(self):
         names = self.boards(4)
         figures = self.corners(names, "--picture", "seen.png")
@@ -100,6 +120,7 @@ class Boards(CommandTest):
             value = found["values"][key]
             self.assertLess(abs(value["value"] / truth - 1), 0.01, key)
             self.assertGreater(value["error"], 0)
+        self.of_blur(found)
         # Radii of white micro-images agree with the sensor's distance: 25 mm / N of the stop, seen from the sensor.
         rows = [f"0,{n},{math.hypot(25 * 0.4 / 57.5 / 5.5e-3 / n, 2)},0.01\n" for n in (4, 8)]
         self.write("radii.csv", "type,f_number,radius,error\n" + "".join(rows))

@@ -99,7 +99,7 @@ struct Deviations {
   double outwards[3] = {0, 0, 0};  ///< relative displacement of corners, by type of microlens
   double wave = 0;                 ///< [m] by which the board leaves its plane
   double blur = 0;                 ///< [pixel] noise of the corners' blur; 0: blur is not observed
-  double blur_scale = 0;           ///< by which all blur is larger
+  double blur_scale = 0, blur_offset = 0;  ///< by which all blur is larger: a share, and [pixel]
 };
 
 /// How far the board's point leaves its plane: two waves along x, one along y.
@@ -149,7 +149,7 @@ inline Seen observe(const CameraSpec& s, int poses, double noise, double tilts =
           corner = {pose, board, pixel(at) + Vec2{error(random), error(random)}, lenses[k]};
           if (deviations.blur == 0) continue;
           corner.blur = (1 + deviations.blur_scale) * blur_at(s, p.z, lattice.type(lenses[k])) +
-                        deviations.blur * normal(random);
+                        deviations.blur_offset + deviations.blur * normal(random);
           corner.blur_error = deviations.blur;
         }
       }

@@ -178,6 +178,7 @@ TEST(StatedErrors, GeometryWithBlur) {
     deviations.pupil = draw.normal(settings.pupil);
     deviations.blur = draw.uniform(0.05, 0.2);
     deviations.blur_scale = draw.normal(0.02);
+    deviations.blur_offset = draw.normal(0.03);
     const thin_camera::Seen seen = thin_camera::observe(
         truth, 5, draw.uniform(0.03, 0.1), 1, deviations, static_cast<std::uint64_t>(number));
     std::vector<CornerObservation> corners;
