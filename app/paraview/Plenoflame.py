@@ -195,7 +195,10 @@ class _OfScene(_Algorithm):
         """That of the chosen camera at the moment."""
         scene = self.whole_scene()
         scene.camera_name = self._camera or scene.cameras[0]
-        return scene.at_time(self._moment or 0) if scene.frames else scene
+        if not scene.frames:
+            return scene
+        times = self.steps()
+        return scene.at_frame(scene.frames[times.index(self._moment) if self._moment in times else 0])
 
     def whole_scene(self):
         if not self._file or self._file == "None":

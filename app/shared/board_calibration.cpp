@@ -89,8 +89,9 @@ BoardCalibration calibrate_corners(const BoardRequest& request, const SceneDocum
   std::size_t boards = 0, corners = 0;
   nlohmann::json list = nlohmann::json::array();
   std::vector<std::string> without;  // why pictures show no board
-  for (std::size_t pose = 0; pose < request.boards.size(); ++pose) {
-    const std::string& file = request.boards[pose];
+  const std::vector<std::string> pictures = files_of(request.boards);
+  for (std::size_t pose = 0; pose < pictures.size(); ++pose) {
+    const std::string& file = pictures[pose];
     const CountFrames frames = read_frames({file}, request.files, execution, full);
     if (frames.width != sensor.columns || frames.height != sensor.rows)
       throw InputError(fmt::format("'{}' has {} x {} pixels, the camera's sensor {} x {}", file,
@@ -132,8 +133,8 @@ BoardCalibration calibrate_corners(const BoardRequest& request, const SceneDocum
   // The advice is printed once.
   for (std::size_t i = 0; i < without.size(); ++i)
     execution.warn(i == 0 ? without[i] : without[i].substr(0, without[i].find("; ")));
-  result.report.add("boards", fmt::format("{} of {} pictures", boards, request.boards.size()),
-                    "boards", boards);
+  result.report.add("boards", fmt::format("{} of {} pictures", boards, pictures.size()), "boards",
+                    boards);
   result.report.add("corners", std::to_string(corners), "corners", corners);
   result.report.add_json("pictures", list);
   return result;

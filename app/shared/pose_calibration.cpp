@@ -199,12 +199,12 @@ void warn_of_radii(const RadiiMatch& radii, const Execution& execution) {
 void warn_of_blur(const BlurMatch& blur, const GeometryRequest& request,
                   const Execution& execution) {
   constexpr double kMost = 2;  // standard deviations
-  if (std::fabs(blur.change) < kMost * request.microlens) return;
+  if (std::fabs(blur.change) < kMost * blur.change_error) return;
   execution.warn(
       fmt::format("by places and blur of the corners, focal lengths of microlenses differ by "
                   "{:+.1f} % from those to start with, {:.1f} standard deviations: the corners "
                   "lie {} in their micro-images, or {} is too small",
-                  100 * blur.change, std::fabs(blur.change) / request.microlens,
+                  100 * blur.change, std::fabs(blur.change) / blur.change_error,
                   blur.change > 0 ? "outwards" : "inwards", request.names("microlens-error")));
 }
 

@@ -11,6 +11,7 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/calibration/radiometry_fit.h"
 #include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/lightfield/geometry.h"
@@ -127,7 +128,8 @@ class RadiometryRun {
           "the camera has no microlens array: the etendue of its "
           "pixels is not computed here");
     pixels.etendue =
-        white_image(MicroImages(Camera(scene.camera), true, execution_), pixels.window, execution_);
+        white_image(MicroImages(Camera(scene.camera), true, without_reports(execution_)),
+                    pixels.window, without_reports(execution_));
     pixels.mosaic = scene.camera.sensor.mosaic;
     pixels.corrections = {nullptr,         pointer(flat_),       pointer(flat_dark_),
                           pointer(white_), pointer(white_dark_), {}};

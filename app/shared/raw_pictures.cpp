@@ -14,6 +14,7 @@
 #include "number_rows.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/calibration/radiometry_table.h"
 #include "plenoflame/calibration/raw_import.h"
 #include "plenoflame/camera/sensor_levels.h"
@@ -229,7 +230,8 @@ class ImportRun {
         throw InputError(arguments_.names()("white") +
                          ": the camera has no microlens array; give a flat field");
       settings_.model_white =
-          white_image(MicroImages(Camera(camera), true, execution_), settings_.window, execution_);
+          white_image(MicroImages(Camera(camera), true, without_reports(execution_)),
+                      settings_.window, without_reports(execution_));
     }
     frames_read_ = raw.frames;
     ImportSummary summary;

@@ -26,7 +26,7 @@ Radiometry.__doc__ = "What calibrate_radiometry() found: the text of the file th
 
 Boards = collections.namedtuple("Boards", "corners figures")
 Boards.__doc__ = """What calibrate_corners() found: an array with the columns pose, x, y (on the board [m]), column, row (in the picture
-[pixels]), q, r (the microlens), an entry for each corner; a dict of figures."""
+[pixels]), q, r (the microlens), error, blur and blur_error [pixels], an entry for each corner; a dict of figures."""
 
 Geometry = collections.namedtuple("Geometry", "scene poses residuals figures")
 Geometry.__doc__ = """What calibrate_geometry() found: a Scene with the camera; arrays with named columns, of the boards' places (pose,

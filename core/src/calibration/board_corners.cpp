@@ -136,7 +136,7 @@ class BoardFinder {
           ", of which hardly two lie on lines that "
           "meet in front of the camera; does it stand away from the plane that is sharp "
           "on the array (where a microlens sees a point of it), is it sharp in "
-          "micro-images, and is the camera that of the picture (calibrate white)?");
+          "micro-images, and is the camera that of the picture?");
     plane_ = BoardPlane::where_most_meet(meetings, kNear * picture_.in_focus(),
                                          kFar * picture_.in_focus());
   }

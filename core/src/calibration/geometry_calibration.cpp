@@ -144,9 +144,8 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   if (!(start.lens.model == LensModel::ideal && start.lens.surfaces.empty() &&
         start.array.present && start.array.model == LensModel::ideal))
     throw InputError(
-        "calibrate geometry starts from a camera with a thin ideal main lens and ideal "
-        "microlenses; "
-        "give one (camera import writes such)");
+        "the fit starts from a camera with a thin ideal main lens and ideal microlenses; an "
+        "imported camera is such");
   if (corners.empty()) throw InputError("there is no corner among the observations");
   for (const CornerObservation& corner : corners)
     check_on_sensor(start, fmt::format("a corner of pose {}", corner.pose), corner.pixel);
@@ -197,10 +196,15 @@ GeometryCalibration calibrate_geometry(const CameraSpec& start,
   if (settings.outlier > 0 && fit.leave_out(settings.outlier) > 0) solve_all();
   fit.check_determined();
   const double conflict = fit.radii_conflict();
+  double by_places = 0;  // relative error of the sensor distance
+  if (std::ranges::any_of(corners, [](const auto& corner) { return corner.blur_error > 0; }))
+    for (const CalibratedValue& value : fit.result(steps, settings.pupil).values)
+      if (value.key == "camera.array.sensor_distance") by_places = value.error / value.value;
   steps += fit.use_blur(settings.microlens, execution);
   if (seen.radii && !fit.has_blur()) steps += fit.solve_weighted(execution);
   steps += loosen(fit, seen, execution);
   GeometryCalibration result = fit.result(steps, settings.pupil);
+  if (result.blur) result.blur->change_error = std::hypot(settings.microlens, by_places);
   check_plausible(spec, found, rms_of_start, result);
   result.camera.array.diameter = std::min(start.array.diameter, result.camera.array.pitch);
   if (result.radii) {

@@ -107,7 +107,8 @@ Eigen::MatrixXd geometry_covariance(const FittedPoints& fitted, double outwards,
     return (sum * (g / std::max(1.0, g - 1))).eval();
   };
   // The residuals have fewer degrees of freedom than there are points.
-  const double rows = 2 * static_cast<double>(fitted.points.size());
+  double rows = 0;  // a blur is one
+  for (const FittedPoint& point : fitted.points) rows += point.rows.row(1).isZero(0) ? 1 : 2;
   const double fewer = rows / std::max(1.0, rows - static_cast<double>(size));
   Eigen::MatrixXd found = fewer * (single + centres);
   const Eigen::VectorXd deviation = found.diagonal().cwiseSqrt();

@@ -284,7 +284,7 @@ GeometryCalibration GeometryFit::result(int steps, double pupil) {
     result.poses[p].distance_error = std::sqrt(std::max(0.0, covariance(k, k)));
   }
   if (microlens_ > 0) {
-    result.blur = BlurMatch{0, blur_excess_, microlens_change_};
+    result.blur = BlurMatch{0, blur_excess_, microlens_change_, 0};
     for (std::size_t i = 0; i < used_.size(); ++i) result.blur->corners += has_blur(i) ? 1 : 0;
   }
   CameraSpec copy = spec_;

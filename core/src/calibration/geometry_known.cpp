@@ -130,7 +130,11 @@ int GeometryFit::use_blur(double microlens, const Execution& execution) {
   }
   for (std::size_t t = 0; t < types(); ++t) {
     const double found = b * weights[t] / sum[t];
-    if (!(found > 0 && std::isfinite(found))) continue;
+    if (!(found > 0 && std::isfinite(found))) {
+      for (std::size_t i = 0; i < used_.size(); ++i)
+        if (type_of_[i] == t) blur_used_[i] = false;
+      continue;
+    }
     microlens_change_ += std::log(found / nominal_focal_lengths_[t]);
     spec_.array.types[t].focal_length = found;
     free_.push_back(microlens_value(t));
@@ -141,7 +145,7 @@ int GeometryFit::use_blur(double microlens, const Execution& execution) {
   microlens_ = microlens;
   int steps = solve_weighted(execution);
   for (std::size_t i = 0; i < used_.size(); ++i)
-    blur_used_[i] = std::fabs(blur_residuals_[i]) < kBlurOutlier * blur_excess_;
+    blur_used_[i] = blur_used_[i] && std::fabs(blur_residuals_[i]) < kBlurOutlier * blur_excess_;
   return steps + solve_weighted(execution);
 }
 

@@ -35,7 +35,8 @@ std::vector<double> shape_of(const Reconstruction& found, const Unknowns& unknow
   for (int pass = 0; pass < kPasses; ++pass)
     shape = averaged_with_neighbours(unknowns, std::move(shape));
   const double least = kDarkest * *std::ranges::max_element(found.values);
-  for (std::size_t j = 0; j < shape.size(); ++j) shape[j] = found.solved[j] ? shape[j] + least : 0;
+  for (std::size_t j = 0; j < shape.size(); ++j)
+    shape[j] = found.solved[j] ? std::max(shape[j], 0.0) + least : 0;
   return shape;
 }
 
@@ -67,11 +68,12 @@ double strength_of_brightness(const ScaledProblem& problem, const Regularisation
 PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
                             const ReconstructionSettings& settings, const Reconstruction& found,
                             const Execution& execution) {
-  if (!(found.strength > 0)) return {nullptr, problem.regularisation(found.strength)};
+  if (!(found.strength > 0 && *std::ranges::max_element(found.values) > 0))
+    return {nullptr, problem.regularisation(found.strength)};
   const bool round = input.unknowns->begins_at_centre();
   // One camera sees how fine the structure is, but not the depth of the light. The unknown part is
   // as large as the light along its lines of sight.
-  if (input.views.size() == 1 && !round) {
+  if (input.views.size() == 1 && !round && input.prior.empty()) {
     PriorOfDraws prior;
     const std::span<const double> weights = problem.weights();
     prior.ratios = std::make_unique<ScaledProblem>(

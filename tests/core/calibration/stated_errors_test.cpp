@@ -193,6 +193,7 @@ TEST(StatedErrors, GeometryWithBlur) {
       pulls.add(value.key, value.value, thin_camera::value_of(truth, value.key), value.error);
       if (value.key == "camera.array.sensor_distance") distance_error = value.error / value.value;
     }
+    pulls.add("microlenses", found.blur->change, 0, found.blur->change_error);
     double boards = 0;
     for (std::size_t p = 0; p < found.poses.size(); ++p)
       boards += std::pow((found.poses[p].to_camera.translation.z - seen.distances[p]) /

@@ -85,6 +85,7 @@ struct BlurMatch {
   /// Mean relative difference of the focal lengths of microlenses by places and blur alone from
   /// those of the camera to start with.
   double change = 0;
+  double change_error = 0;  ///< with that of the sensor distance by places
 };
 
 /// The covariance has four parts:
