@@ -90,6 +90,7 @@ BoardCalibration calibrate_corners(const BoardRequest& request, const SceneDocum
   nlohmann::json list = nlohmann::json::array();
   std::vector<std::string> without;  // why pictures show no board
   const std::vector<std::string> pictures = files_of(request.boards);
+  if (pictures.empty()) throw UsageError("no picture is given");
   for (std::size_t pose = 0; pose < pictures.size(); ++pose) {
     const std::string& file = pictures[pose];
     const CountFrames frames = read_frames({file}, request.files, execution, full);

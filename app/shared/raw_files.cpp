@@ -103,6 +103,7 @@ CountFrames read_frames(const std::vector<std::string>& names_of_files,
                         const RawFileOptions& options, const Execution& execution, double full) {
   const RawLayout layout = options.layout();
   const std::vector<std::string> files = files_of(names_of_files);
+  if (files.empty()) throw UsageError("no picture is given");
   const SettingNames& names = options.names;
   FrameSums sums(full);
   std::string kind;

@@ -71,6 +71,8 @@ class SettingsFile(CommandTest):
                 ('"rings"', '"ringe"', 1, ["run.toml:6:1: unknowns: 'ringe' is not one of voxels, rings, layers"]),
                 ('scenes = "a.toml"\n', "", 1, ['run.toml: [reconstruction] has no key "scenes"']),
                 ('images = ["a.exr"]\n', "", 2, ["--images is required"]),
+                ("noise = 0.01", "noise =", 1, ["run.toml:11:"]),
+                ("[reconstruction]", "[[reconstruction]]", 1, ['"reconstruction" is not a table; begin it with [reconstruction]']),
                 ("# A flame of rings.", "[sweep]", 1, ['run.toml:1:2: "sweep" stands beside [reconstruction]']),
                 ("f.vdb.json", "f.vdb", 2, ["--report", "are the same file"])):
             self.assertIn(old, text)

@@ -343,6 +343,14 @@ width = "10 nm"
                 function(pictures, real, **arguments)
         with self.assertRaisesRegex(TypeError, "missing a required argument: 'board'"):
             plenoflame.calibrate_corners(pictures, real, cell=1)
+        for function, name in ((plenoflame.calibrate_white, "pictures"), (plenoflame.import_raw, "pictures"),
+                               (plenoflame.calibrate_radiometry, "sources")):
+            with self.assertRaisesRegex(plenoflame.Error, f"^{name} names no picture"):
+                function([], real)
+        with self.assertRaisesRegex(plenoflame.Error, "^pictures names no picture"):
+            plenoflame.calibrate_corners([], real, board=(5, 4), cell=1)
+        with self.assertRaisesRegex(plenoflame.Error, "^a picture is the name of a file, not ndarray"):
+            plenoflame.import_raw(numpy.zeros((2, 2)), real)
         for sentence, corners, arguments in (
                 (r"^corners takes an array of the shape \(n, 10\) or \(n, 7\) or \(n, 5\), not \(3, 4\)", numpy.zeros((3, 4)), {}),
                 ("^corners takes the columns pose, x, y, column, row, not pose, rms_pixel,", found.poses, {}),

@@ -55,6 +55,12 @@ def _label(key):
     return text_of(key)
 
 
+def _path(value):
+    if not isinstance(value, (str, os.PathLike)):
+        raise Error(f"a picture is the name of a file, not {type(value).__name__}")
+    return os.fspath(value)
+
+
 def _labelled(values, text, label=_label):
     """Texts of a value, a list of them, or a dict of these: LABEL=TEXT then."""
     if isinstance(values, dict):
@@ -73,12 +79,14 @@ def _run(run, rows, camera, pictures, settings, progress, what):
     """Runs an object of the library. pictures: texts; settings: those of the caller."""
     if camera is not None or what != "white":
         _see(run, camera)
+    if not pictures:
+        raise Error(f"{'sources' if what == 'radiometry' else 'pictures'} names no picture")
     for file in pictures:
         run.add_picture(file)
     times = _time if what == "radiometry" else _label
     for name, value in settings.items():
         if rows.rows[name][4] and value is not None:
-            settings[name] = _labelled(value, _time if name == "exposure_time" else os.fspath, times)
+            settings[name] = _labelled(value, _time if name == "exposure_time" else _path, times)
         elif name in ("exposure_time", "temperature_error") and value is not None:
             settings[name] = lengths(value, "s" if name == "exposure_time" else "K")
     rows.set(run, settings)
@@ -125,7 +133,7 @@ def import_raw(pictures, camera, *, threads=0, progress=None, **settings):
     Raises Error.
     """
     run = made(_core.RawImport, threads=_check.whole("threads", threads, 0, 1024))
-    _run(run, _RAW, camera, _labelled(pictures, os.fspath), settings, progress, "import")
+    _run(run, _RAW, camera, _labelled(pictures, _path), settings, progress, "import")
     return Imported(LightField(run.output), json.loads(run.figures))
 
 
@@ -144,7 +152,7 @@ def calibrate_white(pictures, camera=None, *, threads=0, progress=None, **settin
     Raises Error.
     """
     run = made(_core.White, threads=_check.whole("threads", threads, 0, 1024))
-    _run(run, _WHITE, camera, _labelled(pictures, os.fspath), settings, progress, "white")
+    _run(run, _WHITE, camera, _labelled(pictures, _path), settings, progress, "white")
     scene, centres, radii = run.output
     return White(Scene(text=scene, name="camera.toml") if scene else None, _table(centres), _table(radii), json.loads(run.figures))
 
@@ -169,7 +177,7 @@ def calibrate_radiometry(sources, camera, *, threads=0, progress=None, **setting
     if not isinstance(sources, dict):
         raise Error(f"sources takes a dict of files by temperatures, not {sources!r}")
     run = made(_core.Radiometry, threads=_check.whole("threads", threads, 0, 1024))
-    pictures = _labelled(sources, os.fspath, lambda key: _label(key if isinstance(key, tuple) else lengths(key, "K")))
+    pictures = _labelled(sources, _path, lambda key: _label(key if isinstance(key, tuple) else lengths(key, "K")))
     _run(run, _RADIOMETRY, camera, pictures, settings, progress, "radiometry")
     return Radiometry(run.output, json.loads(run.figures))
 
@@ -192,7 +200,7 @@ def calibrate_corners(pictures, camera, *, threads=0, progress=None, **settings)
     Raises Error where no picture shows the board.
     """
     run = made(_core.Boards, threads=_check.whole("threads", threads, 0, 1024))
-    _run(run, _BOARDS, camera, _labelled(pictures, os.fspath), settings, progress, "corners")
+    _run(run, _BOARDS, camera, _labelled(pictures, _path), settings, progress, "corners")
     return Boards(_table(run.output), json.loads(run.figures))
 
 

@@ -36,14 +36,12 @@ SourcePosition position_of(const toml::key& key, const std::string& path) {
 
 std::optional<std::vector<FileSetting>> read_settings(const std::string& path,
                                                       const std::string& table) {
-  const std::string text = read_text_file(path);
-  toml::table root;
-  try {
-    root = parse_toml(text, path);
-  } catch (const InputError&) {
-    return std::nullopt;
-  }
+  const toml::table root = parse_toml(read_text_file(path), path);
   const toml::table* found = root[table].as_table();
+  for (const auto& [key, node] : root)
+    if (found == nullptr && key.str() == table)
+      throw InputError(position_of(key, path),
+                       fmt::format(R"("{0}" is not a table; begin it with [{0}])", table));
   if (found == nullptr) return std::nullopt;
   for (const auto& [key, node] : root)
     if (&node != found)
