@@ -186,7 +186,7 @@ class Commands(PackageTest):
     def test_arguments_are_the_options(self):
         """Names and defaults in the help, which the package does not read."""
         files = {"set", "camera", "images", "output", "refined", "residual", "report", "pixels", "places", "part", "quiet", "json",
-                 "help", "which", "picture", "poses", "residuals", "plot"}
+                 "help", "which", "picture", "poses", "residuals", "plot", "interval"}  # a series is a loop
         for command, function, own in (("reconstruct", plenoflame.reconstruct, {"operator"}),
                                        ("operator", plenoflame.Scene.operator, set()),
                                        ("import", plenoflame.import_raw, set()), ("optimize", plenoflame.Scene.optimize, set()),
