@@ -87,9 +87,13 @@ std::vector<std::string> files_of(const std::vector<std::string>& names) {
       continue;
     }
     std::vector<std::string> inside;
-    for (const auto& entry : std::filesystem::directory_iterator(name))
-      if (entry.is_regular_file() && !entry.path().filename().string().starts_with('.'))
-        inside.push_back(entry.path().string());
+    for (auto entry = std::filesystem::directory_iterator(name, error);
+         !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+      std::error_code ignored;
+      if (entry->is_regular_file(ignored) && !entry->path().filename().string().starts_with('.'))
+        inside.push_back(entry->path().string());
+    }
+    if (error) throw FileError("cannot read the folder '" + name + "': " + error.message());
     if (inside.empty()) throw InputError("the folder '" + name + "' holds no file");
     std::sort(inside.begin(), inside.end(), [](const std::string& a, const std::string& b) {
       return strverscmp(a.c_str(), b.c_str()) < 0;

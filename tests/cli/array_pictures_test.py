@@ -55,11 +55,12 @@ def metadata(bits, width=WIDTH):
     return json.dumps({"image": image}).encode()
 
 
-def lytro(rows, bits):
+def lytro(rows, bits, text=None):
     frame = {"frame": {"metadataRef": "sha1-m", "imageRef": "sha1-i"}}
-    table = {"frames": [frame]} if bits == 10 else {"picture": {"frameArray": [frame]}}
+    previews = [{"imageRef": "sha1-jpeg"}]
+    table = {"frames": [frame]} if bits == 10 else {"picture": {"accelerationArray": previews, "frameArray": [frame]}}
     return (section(b"P", "", b"") + section(b"M", "sha1-t", json.dumps(table).encode()) +
-            section(b"C", "sha1-i", packed(rows, bits)) + section(b"C", "sha1-m", metadata(bits)))
+            section(b"C", "sha1-i", packed(rows, bits)) + section(b"C", "sha1-m", text or metadata(bits)))
 
 
 class ArrayPictures(CommandTest):
@@ -94,6 +95,11 @@ class ArrayPictures(CommandTest):
             file["only"] = numbers(8).astype("u1")
             file["time"] = 1.5
         self.same(numbers(8), "b.h5")
+        # A file claims numbers that were never stored.
+        for shape, chunks in [((1 << 14, 1 << 15), (64, 64)), ((1 << 50, 4, 4), (1, 4, 4))]:
+            with h5py.File(self.path("claims.h5"), "w") as file:
+                file.create_dataset("frames", shape, "u2", chunks=chunks)
+            self.refused("/frames claims more numbers than the file can hold: damaged", "claims.h5")
 
     def test_mat(self):
         rows, other = numbers(), numbers(seed=2)
@@ -110,7 +116,17 @@ class ArrayPictures(CommandTest):
         whole = self.read("a.mat")
         for end in [130, 140, len(whole) // 2, len(whole) - 9]:
             self.write("cut.mat", whole[:end])
-            self.refused("cut.mat", "cut.mat:raw2")
+            self.refused("holds no array" if end == 130 else "damaged or cut off", "cut.mat:raw")
+        # Damage in one array does not keep others from being read.
+        scipy.io.savemat(self.path("two.mat"), {"raw": content["raw"], "series": content["series"]}, do_compression=True)
+        whole = self.read("two.mat")
+        self.write("two.mat", whole[:-1] + bytes([whole[-1] ^ 255]))
+        self.same(rows, "two.mat:raw")
+        self.refused("damaged or cut off", "two.mat:series")
+        # Grey frames in threes have a side of one colour.
+        grey = numpy.stack([rows, other, rows], 2).astype("u2")
+        scipy.io.savemat(self.path("grey.mat"), {"raw": grey[:, :, None]})
+        self.same((2 * rows + other) / 3, "grey.mat")
         # MATLAB 7.3 is HDF5 with a block in front, rows fastest.
         with h5py.File(self.path("c.mat"), "w", userblock_size=512) as file:
             file["raw"] = numpy.ascontiguousarray(rows.T).astype("u2")
@@ -123,17 +139,32 @@ class ArrayPictures(CommandTest):
             self.write("a.lfr", lytro(rows, bits))
             self.same(rows, "a.lfr")
             whole = lytro(rows, bits)
-            self.write("cut.lfr", whole[:-200])
-            self.refused("cut", "cut.lfr")
+            self.write("cut.lfr", whole[:-100])
+            self.refused("is cut off", "cut.lfr")
         rows = numbers(12)
         files = [{"name": "MOD_0000.RAW", "dataRef": "sha1-r"}, {"name": "MOD_0000.TXT", "dataRef": "sha1-x"}]
         self.write("data.C.0", section(b"P", "", b"") + section(b"M", "t", json.dumps({"files": files}).encode()) +
                    section(b"C", "sha1-r", packed(rows, 12)) + section(b"C", "sha1-x", metadata(12)))
         self.same(rows, "data.C.0")
-        self.write("wrong.lfp", section(b"P", "", b"") + section(b"M", "t", b"{"))
-        self.refused("JSON is damaged", "wrong.lfp")
-        self.write("other.lfp", lytro(rows, 12).replace(b'"bitsPerPixel": 12', b'"bitsPerPixel": 14'))
-        self.refused("pixels of 14 bits", "other.lfp")
+        # Pictures of several zooms and focal distances are no series.
+        more = files + [{"name": "MOD_0001.RAW", "dataRef": "sha1-s"}, {"name": "MOD_0001.TXT", "dataRef": "sha1-x"}]
+        other = numbers(12, seed=2)
+        self.write("data.C.1", section(b"P", "", b"") + section(b"M", "t", json.dumps({"files": more}).encode()) +
+                   section(b"C", "sha1-r", packed(rows, 12)) + section(b"C", "sha1-s", packed(other, 12)) +
+                   section(b"C", "sha1-x", metadata(12)))
+        self.same(other, "data.C.1:MOD_0001.RAW")
+        self.refused("differ in zoom and focus; add one, FILE:NAME: MOD_0000.RAW, MOD_0001.RAW", "data.C.1")
+        self.refused("it has no picture 'MOD_2.RAW'; it has MOD_0000.RAW, MOD_0001.RAW", "data.C.1:MOD_2.RAW")
+        for text, words in [(b"{", "JSON is damaged"), (b'{"frame": 1e999}', "JSON is damaged"),
+                            (b"[" * 100000 + b"]" * 100000, "JSON is nested too deeply")]:
+            self.write("wrong.lfp", section(b"P", "", b"") + section(b"M", "t", text))
+            self.refused(words, "wrong.lfp")
+        for old, new, words in [(b'"bitsPerPixel": 12', b'"bitsPerPixel": 14', "pixels of 14 bits"),
+                                (b'"width": 32', b'"width": 30', "30 pixels wide, and packed rows hold a multiple of 4"),
+                                (b'"width": 32', b'"width": 4294967328', "its JSON has width 4.29497e+09, which no picture has"),
+                                (b'"width": 32', b'"width": 32.5', "its JSON has width 32.5, which no picture has")]:
+            self.write("other.lfp", lytro(rows, 12, metadata(12).replace(old, new)))
+            self.refused(words, "other.lfp")
         # A raw file of the F01's size has no header.
         self.write("b.toml", camera("bits = 12\nfull_well = 1e9\n", 3280, 3280))
         line = numpy.arange(3280) % 4096

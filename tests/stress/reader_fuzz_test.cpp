@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "plenoflame/film/checkpoint.h"
+#include "plenoflame/image/array_set.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/image/raw_picture.h"
@@ -149,14 +150,72 @@ std::string jpeg_by_hand() {
   return bytes;
 }
 
+/// Numbers, the lowest byte first.
+std::string little(std::initializer_list<std::uint32_t> values, int size = 4) {
+  std::string bytes;
+  for (const std::uint32_t value : values)
+    for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> (8 * i) & 255);
+  return bytes;
+}
+
+/// An element of MAT 5 that holds an array: its class, sides, name of one letter and numbers.
+std::string mat_array(std::uint32_t kind, std::uint32_t rows, std::uint32_t columns, char name,
+                      const std::string& numbers) {
+  const std::string data =
+      little({6, 8, kind, 0, 5, 8, rows, columns, 0x10001}) + name + std::string(3, '\0') + numbers;
+  return little({14, static_cast<std::uint32_t>(data.size())}) + data;
+}
+
+/// MAT 5 with a number, and 7 x 9 numbers of 16 bits that are packed (deflate, one stored block).
+std::string mat_by_hand() {
+  const std::string array = mat_array(11, 7, 9, 'a', little({4, 126}) + std::string(128, '\1'));
+  const auto size = static_cast<std::uint32_t>(array.size());
+  std::uint32_t a = 1, b = 0;  // Adler's sum
+  for (const char byte : array) {
+    a = (a + static_cast<unsigned char>(byte)) % 65521;
+    b = (b + a) % 65521;
+  }
+  std::string packed = "\x78\x01\x01" + little({size, ~size}, 2) + array;
+  for (const std::uint32_t part : {b >> 8, b, a >> 8, a}) packed += static_cast<char>(part & 255);
+  std::string bytes = "MATLAB 5.0 MAT-file";
+  bytes.resize(124, ' ');
+  return bytes + little({0x0100, 0x4d49}, 2) +
+         mat_array(6, 1, 1, 'b', little({9, 8}) + std::string(8, '\0')) +
+         little({15, static_cast<std::uint32_t>(packed.size())}) + packed;
+}
+
+/// A Lytro camera's file of 12 x 7 numbers of 12 bits.
+std::string lytro_by_hand() {
+  std::string bytes("\x89LFP\r\n\x1a\n\0\0\0\0\0\0\0\0", 16);
+  const auto section = [&](char kind, const std::string& name, const std::string& data) {
+    bytes += std::string("\x89LF") + kind + std::string("\r\n\x1a\n\0\0\0\0\0\0", 10);
+    bytes += static_cast<char>(data.size() >> 8);
+    bytes += static_cast<char>(data.size() & 255);
+    bytes += name + std::string(80 - name.size(), '\0') + data;
+    bytes.resize((bytes.size() + 15) / 16 * 16);
+  };
+  section('M', "t", R"({"frames": [{"frame": {"metadataRef": "m", "imageRef": "i"}}]})");
+  section('C', "m",
+          R"({"image": {"width": 12, "height": 7, "pixelPacking": {"bitsPerPixel": 12,)"
+          R"( "endianness": "big"}}})");
+  section('C', "i", std::string(126, '\1'));
+  return bytes;
+}
+
 TEST(DamagedReaders, RawPictures) {
   const TemporaryFolder folder;
+  const std::string arrays = folder.file("a.h5");
+  ArraySetWriter writer(arrays);
+  writer.numbers("frames", std::vector<double>(126, 7), "1", {2, 7, 9});
+  writer.close();
   const std::string path = folder.file("a.tif");
   write_tiff(path, 9, 7, std::vector<std::uint16_t>(63, 1234), "a frame");
   const std::vector<std::string> samples{
       read_bytes(path),       tiff_by_hand(true),
       tiff_by_hand(false),    "P5\n# a camera\n9 7\n4095\n" + std::string(126, '\1'),
-      std::string(126, '\1'), jpeg_by_hand()};
+      std::string(126, '\1'), jpeg_by_hand(),
+      mat_by_hand(),          lytro_by_hand(),
+      read_bytes(arrays)};
   RawLayout layout;
   layout.width = 9;
   layout.height = 7;
@@ -175,8 +234,8 @@ TEST(DamagedReaders, RawPictures) {
   for (const std::string& sample : samples) ASSERT_NO_THROW(read(sample));
   Random random(20261133);
   read_damaged(
-      "raw pictures (.tif, .pgm, .jpg, headerless)", damaged_files_wanted(3000), samples,
-      [&](const std::string& whole) { return damage_bytes(whole, 160, random); }, read);
+      "raw pictures (.tif, .pgm, .jpg, headerless, .mat, .lfp, .h5)", damaged_files_wanted(3000),
+      samples, [&](const std::string& whole) { return damage_bytes(whole, 400, random); }, read);
 }
 
 TEST(DamagedReaders, States) {

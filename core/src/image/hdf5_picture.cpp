@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <string>
 
 #include "image/hdf5_id.h"
@@ -50,6 +51,12 @@ void read_hdf5_pictures(const std::string& path, const std::string& name,
     refuse_picture(path, "this HDF5 file is damaged");
   const PictureArray& array = chosen_array(path, name, arrays);
   const PictureSides sides = picture_sides(path, array);
+  // Deflate makes nothing more than 1032 times smaller.
+  constexpr std::uintmax_t kMostShrunk = 1040;
+  std::error_code error;
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  if (error || sides.frames > kMostShrunk * size / sides.frame())
+    refuse_picture(path, array.name + " claims more numbers than the file can hold: damaged");
   const Hdf5Id set(H5Dopen2(file, array.name.c_str(), H5P_DEFAULT), H5Dclose);
   const Hdf5Id space(H5Dget_space(set), H5Sclose);
   // Frames are the first side in the file, MATLAB's too.

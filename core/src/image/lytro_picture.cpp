@@ -1,7 +1,9 @@
 // Files of Lytro cameras: sections with a name, of which one holds JSON (as LFToolbox reads them).
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <string_view>
@@ -26,7 +28,11 @@ struct Packing {
 constexpr Packing kIllum{7728, 5368, 10}, kF01{3280, 3280, 12};
 
 RawPicture unpacked(const std::string& path, std::string_view bytes, const Packing& packing) {
-  if (packing.width % 4 != 0 || bytes.size() < packing.bytes())
+  if (packing.width % 4 != 0)
+    refuse_picture(path, fmt::format("its picture is {} pixels wide, and packed rows hold a "
+                                     "multiple of 4",
+                                     packing.width));
+  if (bytes.size() < packing.bytes())
     refuse_picture(path, fmt::format("its picture has {} bytes, and {} x {} packed numbers of {} "
                                      "bits take {}: cut off",
                                      bytes.size(), packing.width, packing.height, packing.bits,
@@ -54,7 +60,7 @@ RawPicture unpacked(const std::string& path, std::string_view bytes, const Packi
   return picture;
 }
 
-/// The first value of a key, in the order of the text, at any depth.
+/// The first value of a key, in the order of the keys, at any depth.
 const nlohmann::json* value_of(const nlohmann::json& json, const std::string& key) {
   if (json.is_object() && json.contains(key)) return &json.at(key);
   if (json.is_structured())
@@ -63,17 +69,23 @@ const nlohmann::json* value_of(const nlohmann::json& json, const std::string& ke
   return nullptr;
 }
 
+/// @throws json::exception: no number @throws FileError: none that a picture has
+int whole_number(const std::string& path, const nlohmann::json& json, const char* key) {
+  constexpr double kMost = 100000;
+  const double value = json.at(key).get<double>();
+  if (!(value >= 1 && value <= kMost && value == std::floor(value)))
+    refuse_picture(path, fmt::format("its JSON has {} {:.6g}, which no picture has", key, value));
+  return static_cast<int>(value);
+}
+
 Packing packing_of(const std::string& path, const nlohmann::json& metadata) {
   const nlohmann::json* const image = value_of(metadata, "image");
   const nlohmann::json* const packing = image ? value_of(*image, "pixelPacking") : nullptr;
   if (!packing) refuse_picture(path, "its JSON does not say how the pixels are packed");
   try {
-    const Packing found{image->at("width"), image->at("height"), packing->at("bitsPerPixel")};
+    const Packing found{whole_number(path, *image, "width"), whole_number(path, *image, "height"),
+                        whole_number(path, *packing, "bitsPerPixel")};
     const std::string order = packing->at("endianness");
-    constexpr int kMostPixels = 100000;
-    if (found.width < 1 || found.height < 1 || found.width > kMostPixels ||
-        found.height > kMostPixels)
-      refuse_picture(path, "its JSON has a size that no picture has");
     if ((found.bits == 10 && order == "little") || (found.bits == 12 && order == "big"))
       return found;
     refuse_picture(path,
@@ -117,9 +129,14 @@ class Sections {
   }
   nlohmann::json parsed(std::string_view text) const {
     text = text.substr(0, text.find('\0'));
+    constexpr int kMostDepth = 100;  // value_of() and copies call themselves at each level
+    const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
+      if (depth > kMostDepth) refuse_picture(path_, "the Lytro file's JSON is nested too deeply");
+      return true;
+    };
     try {
-      return nlohmann::json::parse(text);
-    } catch (const nlohmann::json::parse_error&) {
+      return nlohmann::json::parse(text, shallow);
+    } catch (const nlohmann::json::exception&) {
       refuse_picture(path_, "the Lytro file's JSON is damaged");
     }
   }
@@ -132,13 +149,16 @@ class Sections {
 
 }  // namespace
 
-void read_lytro_pictures(const std::string& path, const std::string& bytes,
+void read_lytro_pictures(const std::string& path, const std::string& bytes, const std::string& name,
                          const std::function<void(RawPicture&&)>& take) {
   const Sections sections(path, bytes);
   const nlohmann::json content = sections.first();
-  const nlohmann::json *const image = value_of(content, "imageRef"), *const metadata = value_of(
-                                                                         content, "metadataRef");
-  if (image && metadata) {
+  // Other parts refer to previews (JPEG).
+  if (const nlohmann::json* const frame = value_of(content, "frame")) {
+    const nlohmann::json *const image = value_of(*frame, "imageRef"), *const metadata = value_of(
+                                                                          *frame, "metadataRef");
+    if (!image || !metadata) refuse_picture(path, "its JSON does not say where the picture is");
+    if (!name.empty()) refuse_picture(path, "it holds one picture, which has no name");
     const Packing packing = packing_of(path, sections.parsed(sections.data(*metadata)));
     take(unpacked(path, sections.data(*image), packing));
     return;
@@ -151,16 +171,22 @@ void read_lytro_pictures(const std::string& path, const std::string& bytes,
       if (file.is_object() && file.contains("name") && file["name"].is_string() &&
           file.contains("dataRef"))
         by_name.emplace(file["name"].get<std::string>(), file["dataRef"]);
-  bool any = false;
-  for (const auto& [name, reference] : by_name) {
-    if (!name.ends_with(".RAW")) continue;
-    const auto text = by_name.find(name.substr(0, name.size() - 3) + "TXT");
-    if (text == by_name.end()) continue;
-    any = true;
-    take(unpacked(path, sections.data(reference),
-                  packing_of(path, sections.parsed(sections.data(text->second)))));
-  }
-  if (!any) refuse_picture(path, "the Lytro file holds no raw picture");
+  const auto text_of = [&](const std::string& raw) {
+    return raw.ends_with(".RAW") ? by_name.find(raw.substr(0, raw.size() - 3) + "TXT")
+                                 : by_name.end();
+  };
+  std::vector<std::string> names;
+  for (const auto& [raw, reference] : by_name)
+    if (text_of(raw) != by_name.end()) names.push_back(raw);
+  if (names.empty()) refuse_picture(path, "the Lytro file holds no raw picture");
+  const std::string list = fmt::format("{}", fmt::join(names, ", "));
+  if (name.empty() && names.size() > 1)
+    refuse_picture(path, "its pictures differ in zoom and focus; add one, FILE:NAME: " + list);
+  const std::string& chosen = name.empty() ? names.front() : name;
+  if (std::find(names.begin(), names.end(), chosen) == names.end())
+    refuse_picture(path, "it has no picture '" + name + "'; it has " + list);
+  take(unpacked(path, sections.data(by_name.at(chosen)),
+                packing_of(path, sections.parsed(sections.data(text_of(chosen)->second)))));
 }
 
 bool is_lytro_raw(std::size_t bytes) {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <deque>
+#include <memory>
 #include <string_view>
 
 #include "image/picture_arrays.h"
@@ -26,7 +26,8 @@ enum MatType : std::uint32_t {
   kMatrix,
   kCompressed
 };
-constexpr std::size_t kHeader = 128;                                            // bytes
+constexpr std::size_t kHeader = 128, kMatTag = 8;  // bytes
+constexpr std::size_t kMatHead = 4096;  // bytes of a variable that hold flags, sides and name
 constexpr std::uint32_t kFirstNumeric = 6, kUint8Class = 9, kLastNumeric = 15;  // classes
 constexpr std::uint32_t kComplex = 0x800;                                       // flag
 
@@ -42,24 +43,31 @@ class MatFile {
     if (std::endian::native == std::endian::big) swapped_ = !swapped_;
     std::string_view rest(bytes);
     rest.remove_prefix(kHeader);
-    while (rest.size() >= 8) {
-      Element element = next(rest);
-      if (element.type == kCompressed) {
-        unpacked_.push_back(unpacked(element.data));
-        std::string_view inner(unpacked_.back());
-        element = next(inner);
-      }
-      if (element.type == kMatrix) add(element.data);
+    while (rest.size() >= kMatTag) {
+      const Element element = next(rest);
+      if (element.type == kCompressed || element.type == kMatrix) list(element);
     }
   }
 
   const std::vector<PictureArray>& arrays() const { return arrays_; }
-  /// Numbers of an array from one on.
-  std::vector<double> values(const PictureArray& array, std::size_t first,
-                             std::size_t count) const {
-    const Element& data = data_[static_cast<std::size_t>(&array - arrays_.data())];
+  /// Unpacks one of arrays(), which has `count` numbers.
+  void open(const PictureArray& array, std::size_t count) {
+    const Element& element = elements_[static_cast<std::size_t>(&array - arrays_.data())];
+    std::string_view matrix = element.data;
+    if (element.type == kCompressed) {
+      const std::size_t size = at<std::uint32_t>(unpacked(element.data, kMatTag), 4);
+      unpacked_ = unpacked(element.data, kMatTag + size + 1);  // inflate checks the sum at the end
+      std::string_view inner(unpacked_);
+      matrix = next(inner).data;
+    }
+    for (int part = 0; part < 3; ++part) next(matrix);  // flags, sides, name
+    data_ = next(matrix);
+    if (count > data_.data.size() / size_of(data_.type)) damaged();
+  }
+  /// Numbers of the array that is open, from one on.
+  std::vector<double> values(std::size_t first, std::size_t count) const {
     std::vector<double> found(count);
-    for (std::size_t k = 0; k < count; ++k) found[k] = number(data, first + k);
+    for (std::size_t k = 0; k < count; ++k) found[k] = number(data_, first + k);
     return found;
   }
 
@@ -94,44 +102,52 @@ class MatFile {
     return element;
   }
 
-  std::string unpacked(std::string_view packed) const {
+  /// The first bytes of what was packed, `most` at most.
+  std::string unpacked(std::string_view packed, std::size_t most) const {
     z_stream stream{};
     if (inflateInit(&stream) != Z_OK) damaged();
+    const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data()));
     stream.avail_in = static_cast<uInt>(packed.size());
     std::string out;
     std::vector<char> part(std::size_t{1} << 16);
     int status = Z_OK;
-    while (status == Z_OK) {
+    while (status == Z_OK && out.size() < most) {
+      const std::size_t room = std::min(part.size(), most - out.size());
       stream.next_out = reinterpret_cast<Bytef*>(part.data());
-      stream.avail_out = static_cast<uInt>(part.size());
+      stream.avail_out = static_cast<uInt>(room);
       status = inflate(&stream, Z_NO_FLUSH);
-      out.append(part.data(), part.size() - stream.avail_out);
+      out.append(part.data(), room - stream.avail_out);
     }
-    inflateEnd(&stream);
-    if (status != Z_STREAM_END) damaged();
+    if (status != Z_OK && status != Z_STREAM_END) damaged();
     return out;
   }
 
-  void add(std::string_view matrix) {
-    const Element flags = next(matrix), sides = next(matrix), name = next(matrix);
+  /// Adds an array of numbers to the list. Only its head is unpacked.
+  void list(const Element& element) {
+    std::string_view matrix = element.data.substr(0, kMatHead);
+    std::string head;
+    if (element.type == kCompressed) {
+      head = unpacked(element.data, kMatHead);
+      if (head.size() < kMatTag) damaged();
+      if (at<std::uint32_t>(head, 0) != kMatrix) return;
+      matrix = std::string_view(head).substr(kMatTag);
+    }
+    const Element flags = next(matrix);
     const auto flag = at<std::uint32_t>(flags.data, 0), kind = flag & 0xff;
     if (kind < kFirstNumeric || kind > kLastNumeric || (flag & kComplex) != 0) return;
+    const Element sides = next(matrix), name = next(matrix);
     PictureArray array;
     array.name = name.data;
     array.bits = kind == kUint8Class ? 8 : 16;
     array.by_columns = true;
-    std::size_t count = 1;
     for (std::size_t k = 0; k + 4 <= sides.data.size(); k += 4) {
       const auto side = at<std::int32_t>(sides.data, k);
-      if (side < 0 || count > (std::size_t{1} << 40)) damaged();
+      if (side < 0) damaged();
       array.sides.push_back(static_cast<std::size_t>(side));
-      count *= array.sides.back();
     }
-    const Element data = next(matrix);
-    if (count > data.data.size() / size_of(data.type)) damaged();
     arrays_.push_back(array);
-    data_.push_back(data);
+    elements_.push_back(element);
   }
 
   std::size_t size_of(std::uint32_t type) const {
@@ -183,9 +199,10 @@ class MatFile {
 
   const std::string& path_;
   bool swapped_;
-  std::deque<std::string> unpacked_;  ///< they keep their places
   std::vector<PictureArray> arrays_;
-  std::vector<Element> data_;  ///< of each array
+  std::vector<Element> elements_;  ///< of each array
+  std::string unpacked_;           ///< the open array's
+  Element data_;                   ///< the open array's numbers
 };
 
 }  // namespace
@@ -193,12 +210,12 @@ class MatFile {
 void read_mat_pictures(const std::string& path, const std::string& bytes, const std::string& name,
                        const std::function<void(RawPicture&&)>& take) {
   if (bytes.size() < kHeader) refuse_picture(path, "this .mat file is damaged or cut off");
-  const MatFile file(path, bytes);
+  MatFile file(path, bytes);
   const PictureArray& array = chosen_array(path, name, file.arrays());
   const PictureSides sides = picture_sides(path, array);
+  file.open(array, sides.frames * sides.frame());
   for (std::size_t frame = 0; frame < sides.frames; ++frame)
-    take(picture_of_array(path, "MAT 5", array,
-                          file.values(array, frame * sides.frame(), sides.frame())));
+    take(picture_of_array(path, "MAT 5", array, file.values(frame * sides.frame(), sides.frame())));
 }
 
 }  // namespace plenoflame

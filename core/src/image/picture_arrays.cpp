@@ -39,10 +39,10 @@ PictureSides picture_sides(const std::string& path, const PictureArray& array) {
   std::vector<std::size_t> sides = array.sides;
   const std::size_t n = sides.size();
   PictureSides found;
-  const bool coloured = n > 2 && sides[array.by_columns ? 2 : n - 1] == kColours;
-  if (coloured) {
-    found.colours = kColours;
-    sides.erase(sides.begin() + static_cast<std::ptrdiff_t>(array.by_columns ? 2 : n - 1));
+  const auto colours = sides.begin() + static_cast<std::ptrdiff_t>(array.by_columns ? 2 : n - 1);
+  if (n > 2 && (*colours == kColours || *colours == 1)) {
+    found.colours = *colours;
+    sides.erase(colours);
   }
   if (sides.size() == 4)
     refuse_picture(path, text_of(array) +
@@ -54,7 +54,7 @@ PictureSides picture_sides(const std::string& path, const PictureArray& array) {
   }
   found.rows = sides[0];
   found.columns = sides[1];
-  if (found.rows == 0 || found.columns == 0 || found.rows > kMostSide ||
+  if (found.rows == 0 || found.columns == 0 || found.frames == 0 || found.rows > kMostSide ||
       found.columns > kMostSide || found.frame() > std::size_t{1} << 29)
     refuse_picture(path, text_of(array) + " has sides that no picture has");
   return found;

@@ -21,7 +21,7 @@ struct PictureArray {
   bool by_columns = false;
 };
 
-/// Which side of an array means what.
+/// Which side of an array means what. Colours may be one: H x W x 1 x 3 are three grey frames.
 struct PictureSides {
   std::size_t rows = 0, columns = 0, colours = 1, frames = 1;
   std::size_t frame() const { return rows * columns * colours; }
@@ -49,8 +49,9 @@ void read_hdf5_pictures(const std::string& path, const std::string& name,
 void read_mat_pictures(const std::string& path, const std::string& bytes, const std::string& name,
                        const std::function<void(RawPicture&&)>& take);
 
-/// The pictures of a Lytro camera's file: .lfp, .lfr, and its data base of white pictures.
-void read_lytro_pictures(const std::string& path, const std::string& bytes,
+/// The picture of a Lytro camera's file: .lfp, .lfr, or one of its data base of white pictures.
+/// @param name of a picture in the data base, or empty
+void read_lytro_pictures(const std::string& path, const std::string& bytes, const std::string& name,
                          const std::function<void(RawPicture&&)>& take);
 
 /// True for the size of a raw picture without a header of a Lytro camera.

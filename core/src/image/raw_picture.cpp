@@ -1,8 +1,10 @@
 #include "plenoflame/image/raw_picture.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 #include "image/jpeg_picture.h"
@@ -130,6 +132,18 @@ std::size_t end_of_file_name(const std::string& path) {
   return std::string::npos;
 }
 
+/// True if an HDF5 file begins at 0, or behind the block of MATLAB 7.3. Pipes are not read.
+bool is_hdf5(const std::string& path) {
+  constexpr std::string_view kSignature("\x89HDF\r\n\x1a\n", 8);
+  constexpr std::size_t kMatlabBlock = 512;  // bytes
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  std::array<char, kMatlabBlock + kSignature.size()> bytes{};
+  std::ifstream(path, std::ios::binary).read(bytes.data(), std::streamsize{bytes.size()});
+  const std::string_view head(bytes.data(), bytes.size());
+  return head.starts_with(kSignature) || head.ends_with(kSignature);
+}
+
 }  // namespace
 
 void read_raw_pictures(const std::string& name, const RawLayout& layout,
@@ -137,20 +151,19 @@ void read_raw_pictures(const std::string& name, const RawLayout& layout,
   const std::size_t end = end_of_file_name(name);
   const std::string path = name.substr(0, end),
                     array = end == std::string::npos ? "" : name.substr(end + 1);
+  if (is_hdf5(path)) {
+    read_hdf5_pictures(path, array, take);
+    return;
+  }
   const std::string bytes = read_file(path);
   const auto begins = [&](std::string_view with) { return bytes.starts_with(with); };
   constexpr std::string_view kTiff[] = {{"II*\0", 4}, {"MM\0*", 4}, {"II+\0", 4}, {"MM\0+", 4}};
-  constexpr std::string_view kHdf5("\x89HDF\r\n\x1a\n", 8);
-  constexpr std::size_t kMatlabBlock = 512;  // bytes in front of HDF5 in .mat of MATLAB 7.3
-  if (begins(kHdf5) ||
-      (bytes.size() > kMatlabBlock && bytes.compare(kMatlabBlock, kHdf5.size(), kHdf5) == 0)) {
-    read_hdf5_pictures(path, array, take);
-  } else if (begins("MATLAB 5.0 MAT-file")) {
+  if (begins("MATLAB 5.0 MAT-file")) {
     read_mat_pictures(path, bytes, array, take);
-  } else if (!array.empty()) {
-    refuse_picture(name, "arrays have names in HDF5 and .mat files alone");
   } else if (begins("\x89LFP")) {
-    read_lytro_pictures(path, bytes, take);
+    read_lytro_pictures(path, bytes, array, take);
+  } else if (!array.empty()) {
+    refuse_picture(name, "arrays have names in HDF5, .mat and Lytro files alone");
   } else if (layout.width == 0 && is_lytro_raw(bytes.size())) {
     take(lytro_raw_picture(path, bytes));
   } else if (std::any_of(std::begin(kTiff), std::end(kTiff), begins)) {

@@ -88,7 +88,8 @@ void register_import(const Registry& registry) {
       .add_option(
           "RAW", a->pictures.raw,
           "Frames of one scene, which are averaged, or their folder: .tif, .png, .pgm, .jpg, "
-          "numbers without header (--size), arrays in .h5 or .mat (FILE:ARRAY), Lytro's .lfp, "
+          "numbers without header (--size), arrays in .h5 or .mat (FILE:ARRAY; "
+          "three grey frames are HxWx1x3), Lytro's .lfp, "
           ".lfr and .raw (not tried on a real file). NAME=FILE: a frame of that channel")
       ->required();
   add_camera_options(command, *a, "Scene file with the camera and its channels");

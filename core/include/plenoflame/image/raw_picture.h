@@ -38,7 +38,8 @@ struct RawLayout {
 /// a TIFF (strips or tiles, 1 to 16 bits), a PNG, a PGM (P5). A JPEG of 8 bits is marked as lossy.
 /// A PNG has 8 or 16 bits, or the significant bits that it declares. Numbers without header are
 /// read as `layout` says. Frames of an array in HDF5 or MAT 5 are pictures, too; FILE:ARRAY names
-/// the array where there are several. A Lytro camera's file holds packed numbers of 10 or 12 bits.
+/// the array where there are several, or a picture of a Lytro camera's data base. A Lytro camera's
+/// file holds packed numbers of 10 or 12 bits.
 /// @throws FileError: cannot be read, no picture, cut off, damaged, unsupported kind (floating
 ///         point, palettes, arrays of other numbers than counts). Sizes in the header are checked
 ///         before memory is allocated
