@@ -16,8 +16,8 @@ struct FileSetting {
 
 /// The settings of a table [NAME], the only one of a TOML file, in their order. Nothing: the file
 /// has no such table. A list within a list is one text with commas.
-/// @throws FileError; InputError for a file that is no TOML, for a key of that name that is no
-/// table, for anything beside the table, and for tables within
+/// @throws FileError; InputError for a file that is no TOML, for anything beside the table, for
+/// tables within, and if NAME is no table
 std::optional<std::vector<FileSetting>> read_settings(const std::string& path,
                                                       const std::string& table);
 
