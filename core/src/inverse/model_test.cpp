@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "inverse/displaced_camera.h"
+#include "inverse/expected_misfit.h"
 #include "inverse/followed_change.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
@@ -21,7 +22,13 @@ class ScoreTests {
  public:
   ScoreTests(const TestedModel& model, const Reconstruction& found, const ProbeAccuracy& accuracy,
              const Execution& execution)
-      : model_(model), found_(found), accuracy_(accuracy), execution_(execution) {}
+      : model_(model),
+        found_(found),
+        accuracy_(accuracy),
+        execution_(execution),
+        factor_(deviation_factor(std::pow(found.noise_factor, 2),
+                                 static_cast<double>(found.rows - found.left_out),
+                                 static_cast<double>(found.values.size()))) {}
 
   /// @param change of the rows of its camera for a quantity that is larger by 1
   void add_of_camera(SuspectKind kind, std::size_t view, std::vector<double> change) {
@@ -44,7 +51,7 @@ class ScoreTests {
     if (!(information > kLeastLeft * own)) return;
     Suspect suspect{kind, view};
     suspect.estimate = product(left, model_.residual) / information;
-    suspect.deviation = found_.noise_factor / std::sqrt(information);
+    suspect.deviation = factor_ / std::sqrt(information);
     suspects_.push_back(suspect);
     effects_.push_back(std::sqrt(own / light_of(change)));
     changes_.push_back(std::move(change));
@@ -78,7 +85,7 @@ class ScoreTests {
       Suspect& suspect = suspects_[static_cast<std::size_t>(named[static_cast<std::size_t>(n)])];
       suspect.named = true;
       suspect.estimate = estimates[n];
-      suspect.deviation = found_.noise_factor * std::sqrt(covariance(n, n));
+      suspect.deviation = factor_ * std::sqrt(covariance(n, n));
     }
     std::ranges::stable_sort(suspects_, [](const Suspect& a, const Suspect& b) {
       return a.named != b.named ? a.named : a.significance() > b.significance();
@@ -129,9 +136,8 @@ class ScoreTests {
                                 const std::vector<Eigen::Index>& named) const {
     Eigen::Index best = -1;
     double most = kSignificant;
-    const double factor = found_.noise_factor;
     const double beyond_noise =
-        product(model_.residual, model_.residual) * (1 - 1 / (factor * factor));
+        product(model_.residual, model_.residual) * (1 - 1 / std::pow(found_.noise_factor, 2));
     for (Eigen::Index j = 0; j < score.size(); ++j) {
       if (std::ranges::find(named, j) != named.end()) continue;
       double left = score[j], known = information(j, j);
@@ -143,11 +149,11 @@ class ScoreTests {
         known -= share.dot(with);
       }
       if (!(known > kLeastLeft * information(j, j))) continue;
-      const bool sure = std::fabs(left) > kSure * factor * std::sqrt(known);
+      const bool sure = std::fabs(left) > kSure * factor_ * std::sqrt(known);
       if (!sure && left * left / known < kLeastExplained * beyond_noise) continue;
       const double change = effects_[static_cast<std::size_t>(j)] * std::fabs(left) / known;
       if (!(change > kLeastChange)) continue;
-      double significance = std::fabs(left) / (factor * std::sqrt(known));
+      double significance = std::fabs(left) / (factor_ * std::sqrt(known));
       if (suspects_[static_cast<std::size_t>(j)].kind == SuspectKind::forward)
         significance *= kForward;
       if (significance > most) most = significance, best = j;
@@ -169,6 +175,7 @@ class ScoreTests {
   const Reconstruction& found_;
   ProbeAccuracy accuracy_;
   const Execution& execution_;
+  double factor_;  ///< of deviations: the misfit beyond noise is an error of the grid
   std::vector<Suspect> suspects_;
   std::vector<double> effects_;  // relative changes of the pictures, for quantities larger by 1
   std::vector<std::vector<double>> changes_, left_;
