@@ -43,7 +43,8 @@ std::vector<CornerObservation> corners_of(const GeometryRequest& request) {
     if (v.size() == kWithBlur) {
       corner.blur = v[8];
       corner.blur_error = v[9];
-      if (corner.blur_error < 0) throw InputError(row.at, "the error of a blur is not below 0");
+      if (v[7] < 0 || corner.blur_error < 0)
+        throw InputError(row.at, "the errors of a place and of a blur are not below 0");
     }
     corners.push_back(corner);
   }

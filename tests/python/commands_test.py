@@ -343,10 +343,10 @@ width = "10 nm"
                 function(pictures, real, **arguments)
         with self.assertRaisesRegex(TypeError, "missing a required argument: 'board'"):
             plenoflame.calibrate_corners(pictures, real, cell=1)
-        for function, name in ((plenoflame.calibrate_white, "pictures"), (plenoflame.import_raw, "pictures"),
-                               (plenoflame.calibrate_radiometry, "sources")):
+        for function, none, name in ((plenoflame.calibrate_white, [], "pictures"), (plenoflame.import_raw, [], "pictures"),
+                                     (plenoflame.calibrate_radiometry, {}, "sources")):
             with self.assertRaisesRegex(plenoflame.Error, f"^{name} names no picture"):
-                function([], real)
+                function(none, real)
         with self.assertRaisesRegex(plenoflame.Error, "^pictures names no picture"):
             plenoflame.calibrate_corners([], real, board=(5, 4), cell=1)
         with self.assertRaisesRegex(plenoflame.Error, "^a picture is the name of a file, not ndarray"):

@@ -52,6 +52,14 @@ void check_plausible(const CameraSpec& start, const std::vector<const FreeValue*
                                  readable_quantity(from, Dimension::length),
                                  readable_quantity(to, Dimension::length), what_to_do));
   }
+  constexpr double kFarthest = 100;  // times the plane in focus
+  const double focus = GeometryFit::plane_in_focus(Camera(start));
+  for (const BoardPose& pose : found.poses)
+    if (!(std::fabs(pose.to_camera.translation.z) < kFarthest * std::fabs(focus)))
+      throw InputError(fmt::format(
+          "the fit ran away: the board of pose {} would be {:.3g} m from the camera; are "
+          "x and y of the corners in metres?",
+          pose.pose, pose.to_camera.translation.z));
   if (found.corner_rms > rms_of_start)
     throw InputError(fmt::format(
         "the camera that was found leaves {:.3g} pixels RMS of the corners, the one to start with "
