@@ -137,7 +137,7 @@ class Cameras(CommandTest):
     def test_a_stopped_run_goes_on_with_its_camera(self):
         # On a busy machine runs differ in speed: a stop may meet one before its first samples or just after its last.
         for delay in [0.1 * 1.2 ** k for k in range(24)] * 3:
-            run = subprocess.Popen([command.COMMAND, "render", "lab.toml", "-o", "out.exr", "--samples", "4096", "--quiet",
+            run = subprocess.Popen([command.COMMAND, "render", "lab.toml", "-o", "out.exr", "--samples", "12288", "--quiet",
                                     "--window", "290,200,20,200"], cwd=self.folder, stderr=subprocess.PIPE, text=True)
             time.sleep(delay)
             run.send_signal(signal.SIGINT)
@@ -149,10 +149,10 @@ class Cameras(CommandTest):
         name = stopped[4:]
         self.assertIn(f"--camera {name}", message)
         self.assertNotIn("out-plain.exr", self.files() if name != "plain" else [])
-        self.succeeds("render", "lab.toml", "--resume", f"out-{name}.exr", "--camera", name, "--samples", "4096",
+        self.succeeds("render", "lab.toml", "--resume", f"out-{name}.exr", "--camera", name, "--samples", "12288",
                       "--quiet", "--window", "290,200,20,200")
         self.write("one.toml", ALONE[name])
-        self.succeeds("render", "one.toml", "--samples", "4096", "--quiet", "--window", "290,200,20,200")
+        self.succeeds("render", "one.toml", "--samples", "12288", "--quiet", "--window", "290,200,20,200")
         self.assertEqual(read_exr(self.path(f"out-{name}.exr"))[1], read_exr(self.path("one.exr"))[1])
 
 
