@@ -276,7 +276,7 @@ std::map<std::pair<int, bool>, CornerErrors> corner_errors(const Picture& pictur
     part.outwards += dot(off, out) / length(out);
     part.squares += 0.5 * dot(off, off);
     part.pulls += 0.5 * dot(off, off) / (corner.error * corner.error);
-    // Where a corner is nearly sharp, its blur is hardly known.
+    // The blur of a nearly sharp corner is hardly known.
     if (!(corner.blur_error > 0 && corner.blur_error < 0.5)) continue;
     const double blur = corner.blur - thin_camera::blur_at(camera, z, lattice.type(corner.lens));
     part.blur += blur;
