@@ -296,6 +296,7 @@ void report_suspects(const ReconstructResult& result, const std::vector<std::str
     return suspects;
   };
   report.add_json("suspects", list(result.figures.suspects, true));
+  report.add_json("grid_share", result.figures.grid_share);
   if (!result.corrections.empty()) report.add_json("corrected", list(result.corrections, false));
   report.add_json("light_outside", result.figures.light_outside);
 }

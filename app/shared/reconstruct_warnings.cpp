@@ -46,12 +46,14 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
         1e-6 * figures.matrix_bytes, 1e-6 * settings.memory, names("memory"),
         figures.drawn ? "more than the machine has memory for, and drawn" : "followed"));
   if (!figures.complete) return;
-  constexpr double kLeastAccepted = 0.2;
+  constexpr double kLeastAccepted = 0.2, kMostOfIt = 0.5;
   if (!figures.explained_by_noise)
-    execution.warn(
-        fmt::format("noise does not explain the pictures, chi^2 per row stays at {:.3g}: {}the "
-                    "model is wrong by more than that (grid, scene, absorption)",
-                    figures.chi_squared, what_else_may_be(figures, names)));
+    execution.warn(fmt::format(
+        "noise does not explain the pictures, chi^2 per row stays at {:.3g}: {}{}",
+        figures.chi_squared, what_else_may_be(figures, names),
+        figures.grid_share > kMostOfIt
+            ? fmt::format("a finer grid explains {:.0f} % of the rest", 100 * figures.grid_share)
+            : "the model is wrong by more than that (grid, scene, absorption)"));
   else if (figures.strength_at_end)
     execution.warn(
         "the strength is at the end of the range that was looked at: see the curve in the report, "

@@ -477,6 +477,7 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, double s
   try {
     Reconstruction tested = reconstruct(input, settings, execution);
     result.figures.suspects = std::move(tested.suspects);
+    result.figures.grid_share = tested.grid_share;
     result.figures.light_outside = std::move(tested.light_outside);
     if (!tested.camera_deviation.empty())
       add_deviation(tested.camera_deviation,

@@ -178,6 +178,7 @@ struct FamilyOutcome {
   double chi_squared = 0, noise_factor = 1, resolved = 0, strength = 0;
   std::size_t unknowns = 0;
   std::vector<Suspect> suspects;
+  double grid_share = 0;
 };
 
 inline Errors errors_of(const std::vector<double>& found, const std::vector<double>& stated,
@@ -361,6 +362,7 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
     outcome.temperature =
         errors_of(estimate.temperature, estimate.temperature_deviation, temperature, lit);
   outcome.suspects = found.suspects;
+  outcome.grid_share = found.grid_share;
   outcome.chi_squared = found.chi_squared;
   outcome.noise_factor = found.noise_factor;
   outcome.resolved = found.resolved_unknowns;

@@ -159,6 +159,16 @@ TEST(ModelTest, NamesWhatIsWrong) {
   expect_named(SuspectKind::right, 0.5e-3);
 }
 
+// A camera is not blamed for what coarse rings cannot show.
+TEST(ModelTest, ACoarseGridIsNoFaultOfACamera) {
+  FamilyTrial trial{Family::candle, true, 1, 20000, 8, 0};
+  trial.coarser = 2;
+  const FamilyOutcome found = reconstruct_family(trial, tested());
+  for (const Suspect& suspect : found.suspects)
+    EXPECT_FALSE(suspect.named) << static_cast<int>(suspect.kind) << ' ' << suspect.significance();
+  EXPECT_GT(found.grid_share, 0.5);
+}
+
 // Light from behind tells the absorption of a thick flame, where several cameras see it.
 TEST(ModelTest, NamesAWrongAbsorption) {
   if (!in_full()) return;

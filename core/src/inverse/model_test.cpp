@@ -58,10 +58,19 @@ class ScoreTests {
     left_.push_back(std::move(left));
   }
 
+  /// @param change of all rows by a finer grid. A camera is not blamed for its share.
+  void set_grid(std::vector<double> change) {
+    std::vector<double> left = left_of(change);
+    if (!(product(left, change) > kLeastLeft * product(change, change))) return;
+    changes_.push_back(std::move(change));
+    left_.push_back(std::move(left));
+  }
+
   /// Names those that were corrected, then the most significant one, and then the most significant
-  /// of what it leaves.
-  std::vector<Suspect> take() {
-    const auto count = static_cast<Eigen::Index>(suspects_.size());
+  /// of what it leaves. The grid comes before all of them.
+  TestOfModel take() {
+    TestOfModel result;
+    const auto count = static_cast<Eigen::Index>(changes_.size());
     Eigen::MatrixXd information(count, count);
     Eigen::VectorXd score(count);
     for (Eigen::Index j = 0; j < count; ++j) {
@@ -71,8 +80,10 @@ class ScoreTests {
             product(left_[static_cast<std::size_t>(j)], changes_[static_cast<std::size_t>(k)]);
     }
     std::vector<Eigen::Index> named;
+    const auto grid = static_cast<Eigen::Index>(suspects_.size());
+    if (grid < count) named.push_back(grid);
     for (const Suspect& known : model_.corrected)
-      for (Eigen::Index j = 0; j < count; ++j)
+      for (Eigen::Index j = 0; j < grid; ++j)
         if (suspects_[static_cast<std::size_t>(j)].is_same(known)) named.push_back(j);
     for (int n = 0; n < kMostNamed; ++n) {
       const Eigen::Index next = most_significant(information, score, named);
@@ -82,7 +93,13 @@ class ScoreTests {
     const Eigen::MatrixXd covariance = Eigen::MatrixXd(information(named, named)).inverse();
     const Eigen::VectorXd estimates = covariance * Eigen::VectorXd(score(named));
     for (Eigen::Index n = 0; n < estimates.size(); ++n) {
-      Suspect& suspect = suspects_[static_cast<std::size_t>(named[static_cast<std::size_t>(n)])];
+      const Eigen::Index j = named[static_cast<std::size_t>(n)];
+      if (j == grid) {
+        const double explained = std::pow(std::max(0.0, estimates[n]), 2) * information(j, j);
+        result.grid_share = std::min(1.0, explained / std::max(explained, beyond_noise()));
+        continue;
+      }
+      Suspect& suspect = suspects_[static_cast<std::size_t>(j)];
       suspect.named = true;
       suspect.estimate = estimates[n];
       suspect.deviation = factor_ * std::sqrt(covariance(n, n));
@@ -90,7 +107,8 @@ class ScoreTests {
     std::ranges::stable_sort(suspects_, [](const Suspect& a, const Suspect& b) {
       return a.named != b.named ? a.named : a.significance() > b.significance();
     });
-    return std::move(suspects_);
+    result.suspects = std::move(suspects_);
+    return result;
   }
 
  private:
@@ -131,14 +149,18 @@ class ScoreTests {
     return sum;
   }
 
+  /// The misfit that noise does not explain.
+  double beyond_noise() const {
+    return product(model_.residual, model_.residual) * (1 - 1 / std::pow(found_.noise_factor, 2));
+  }
+
   /// The most significant of those that explain what the named ones leave; -1: there is none.
   Eigen::Index most_significant(const Eigen::MatrixXd& information, const Eigen::VectorXd& score,
                                 const std::vector<Eigen::Index>& named) const {
     Eigen::Index best = -1;
     double most = kSignificant;
-    const double beyond_noise =
-        product(model_.residual, model_.residual) * (1 - 1 / std::pow(found_.noise_factor, 2));
-    for (Eigen::Index j = 0; j < score.size(); ++j) {
+    const double misfit = beyond_noise();
+    for (Eigen::Index j = 0; j < static_cast<Eigen::Index>(suspects_.size()); ++j) {
       if (std::ranges::find(named, j) != named.end()) continue;
       double left = score[j], known = information(j, j);
       if (!named.empty()) {
@@ -150,7 +172,7 @@ class ScoreTests {
       }
       if (!(known > kLeastLeft * information(j, j))) continue;
       const bool sure = std::fabs(left) > kSure * factor_ * std::sqrt(known);
-      if (!sure && left * left / known < kLeastExplained * beyond_noise) continue;
+      if (!sure && left * left / known < kLeastExplained * misfit) continue;
       const double change = effects_[static_cast<std::size_t>(j)] * std::fabs(left) / known;
       if (!(change > kLeastChange)) continue;
       double significance = std::fabs(left) / (factor_ * std::sqrt(known));
@@ -178,7 +200,7 @@ class ScoreTests {
   double factor_;  ///< of deviations: the misfit beyond noise is an error of the grid
   std::vector<Suspect> suspects_;
   std::vector<double> effects_;  // relative changes of the pictures, for quantities larger by 1
-  std::vector<std::vector<double>> changes_, left_;
+  std::vector<std::vector<double>> changes_, left_;  // of the suspects, then of the grid
 };
 
 /// Change of the rows of a view for a quantity of its camera that is larger by 1. It is the
@@ -207,10 +229,25 @@ std::vector<double> change_of_rows(const TestedModel& model, std::size_t view, S
   return change;
 }
 
+/// Change of all rows if the flame is as smooth as its values between them.
+std::vector<double> change_by_finer_grid(const TestedModel& model, const Reconstruction& found,
+                                         const Execution& execution) {
+  const Unknowns& unknowns = *model.emission->unknowns;
+  const std::unique_ptr<Unknowns> finer = unknowns.refined();
+  EmissionProblem emission = *model.emission;
+  emission.unknowns = finer.get();
+  if (!emission.absorption.empty())
+    emission.absorption = refined_values(unknowns, emission.absorption);
+  std::vector<double> change =
+      *make_emission_operator(emission, execution) * refined_values(unknowns, found.at_places);
+  for (std::size_t i = 0; i < change.size(); ++i) change[i] -= model.light[i];
+  return change;
+}
+
 }  // namespace
 
-std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
-                                const ProbeAccuracy& accuracy, const Execution& execution) {
+TestOfModel test_model(const TestedModel& model, const Reconstruction& found,
+                       const ProbeAccuracy& accuracy, const Execution& execution) {
   constexpr double kPartOfStep = 0.2;  // of the grid, that a camera is displaced by
   constexpr double kFocus = 1e-3;
   const Execution quiet = without_reports(execution);
@@ -251,6 +288,7 @@ std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& 
   if (model.absorption && model.emission->model == RowModel::source)
     tests.add(SuspectKind::absorption, 0,
               change_by_absorption(*model.emission, found.values, *model.views, model.rays, quiet));
+  if (unknowns.is_linear()) tests.set_grid(change_by_finer_grid(model, found, quiet));
   return tests.take();
 }
 

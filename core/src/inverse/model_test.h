@@ -27,14 +27,20 @@ struct TestedModel {
   std::function<void(std::span<const double> change)> keep;
 };
 
+struct TestOfModel {
+  std::vector<Suspect> suspects;  ///< those first that the pictures name
+  double grid_share = 0;          ///< as in Reconstruction
+};
+
 /// Tests the absorption, and exposure, stray light, place, rotation and focus of each camera
-/// against the pictures. The flame is free to follow (docs/theory/reconstruction.md). Quantities
+/// against the pictures. The flame is free to follow, also between the unknowns
+/// (docs/theory/reconstruction.md). Quantities
 /// that explain the misfit are named, one after the other, until no other is significant. Only
 /// several cameras determine exposures. Cameras that cannot be displaced are not.
 /// @param accuracy of one solution for each quantity
 /// @param execution whose progress goes from 0 to 1
 /// @throws Cancelled
-std::vector<Suspect> test_model(const TestedModel& model, const Reconstruction& found,
-                                const ProbeAccuracy& accuracy, const Execution& execution);
+TestOfModel test_model(const TestedModel& model, const Reconstruction& found,
+                       const ProbeAccuracy& accuracy, const Execution& execution);
 
 }  // namespace plenoflame

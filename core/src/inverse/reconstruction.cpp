@@ -535,10 +535,12 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
               part = std::hypot(part, moved[j]);
             }
           };
-          result.suspects = test_model(
+          TestOfModel tested = test_model(
               {&problem, &views, &*weighted, how, explained, left, settings.test_absorption,
                settings.corrected, settings.refined, add_to_deviation},
               result, {kLeastProbe, 1e-3}, part_of_progress(execution, kUntested, 1 - kUntested));
+          result.suspects = std::move(tested.suspects);
+          result.grid_share = tested.grid_share;
           if (!result.deviation.empty())
             for (std::size_t j = 0; j < result.camera_deviation.size(); ++j)
               result.deviation[j] = std::hypot(result.deviation[j], result.camera_deviation[j]);

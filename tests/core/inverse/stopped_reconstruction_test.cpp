@@ -27,6 +27,7 @@ class StoppingUnknowns final : public Unknowns {
   std::array<int, 3> shape() const override { return own_.shape(); }
   std::array<double, 3> spacing() const override { return own_.spacing(); }
   Box bounds() const override { return own_.bounds(); }
+  std::unique_ptr<Unknowns> refined() const override { return own_.refined(); }
   Vec3 place(std::size_t unknown) const override { return own_.place(unknown); }
   double volume(std::size_t unknown) const override { return own_.volume(unknown); }
   VoxelField field(std::span<const double> values, const std::string& name) const override {

@@ -29,6 +29,18 @@ std::vector<double> nearest_lines(int count, double (*field)(double)) {
   return {samples.data(), samples.data() + samples.size()};
 }
 
+/// True within three samples of an end at which the field falls to 0.
+bool is_near_a_rim(const Unknowns& unknowns, std::size_t unknown) {
+  for (std::size_t axis = 3; axis-- > 0;) {
+    const auto count = static_cast<std::size_t>(unknowns.shape()[axis]);
+    const std::size_t at = unknown % count;
+    unknown /= count;
+    const bool begins_at_rim = axis > 0 || !unknowns.begins_at_centre();
+    if (count > 1 && ((begins_at_rim && at < 3) || at + 4 > count)) return true;
+  }
+  return false;
+}
+
 RegularLattice line_of(int count) {
   RegularLattice lattice;
   lattice.count = {count, 1, 1};
@@ -72,6 +84,44 @@ TEST(ValuesAtPlaces, KeepTheLightAndLeaveEmptyOnesEmpty) {
   solved[11] = 0;
   EXPECT_EQ(values_at_places(*unknowns, samples, solved)[11], 0);
   EXPECT_TRUE(relative(values_at_places(*unknowns, samples, solved)[12], 100, 1e-13));
+}
+
+// A field of third degree that is even about the axis, at places inside: cubic interpolation keeps
+// it.
+TEST(ValuesAtPlaces, RefinedOnesAreOfTheSameField) {
+  RegularLattice lattice;
+  lattice.count = {6, 5, 1};
+  lattice.index_to_world.linear = {{{{0, 2, 0}, {1, 0, 0}, {0, 0, 3}}}};
+  lattice.index_to_world.translation = {-4, 1, 2};
+  const RingGrid rings{{1, 2, 3}, {0, 0, 1}, 0.5, 2, 7, 6};
+  const std::vector<std::unique_ptr<Unknowns>> all = [&] {
+    std::vector<std::unique_ptr<Unknowns>> list;
+    list.push_back(make_voxel_unknowns(lattice));
+    list.push_back(make_ring_unknowns(rings));
+    list.push_back(make_layer_unknowns({{3, 0, 0}, {4, 5, 6}, 8}));
+    return list;
+  }();
+  const std::array<double, 3> centres{0, 1, 3};
+  for (std::size_t n = 0; n < all.size(); ++n) {
+    SCOPED_TRACE(n);
+    const auto field = [&](const Vec3& at) {
+      const double radius = at.x - centres[n];
+      return 900 + 3 * radius * radius + at.y + std::pow(at.z - 4, 3);
+    };
+    std::vector<double> values;
+    for (std::size_t j = 0; j < all[n]->size(); ++j) values.push_back(field(all[n]->place(j)));
+    const std::unique_ptr<Unknowns> finer = all[n]->refined();
+    const std::vector<double> fine = refined_values(*all[n], values);
+    ASSERT_EQ(fine.size(), finer->size());
+    std::size_t inside = 0;
+    for (std::size_t j = 0; j < fine.size(); ++j) {
+      const Vec3 at = finer->place(j);
+      if (is_near_a_rim(*finer, j)) continue;
+      ++inside;
+      EXPECT_TRUE(relative(fine[j], field(at), 1e-13)) << j;
+    }
+    EXPECT_GT(inside, finer->size() / 5);
+  }
 }
 
 // About the axis of rings a field goes on as it came; constant voxels are no lines.

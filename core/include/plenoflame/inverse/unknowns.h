@@ -30,6 +30,9 @@ class Unknowns {
   virtual Vec3 place(std::size_t unknown) const = 0;
   /// Volume that an unknown fills [m^3], the integral of its basis function.
   virtual double volume(std::size_t unknown) const = 0;
+  /// Unknowns at half the spacing: each axis has one more between two, and one beyond an end at
+  /// which the field falls to 0.
+  virtual std::unique_ptr<Unknowns> refined() const = 0;
   /// Appends the intervals of a ray between two places, in their order along it.
   virtual void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const = 0;
   /// Values as a field on a lattice of voxels, 0 outside. @param background of the field
@@ -45,6 +48,9 @@ std::vector<double> values_at_places(const Unknowns& unknowns, std::span<const d
                                      const std::vector<char>& solved);
 /// The samples whose values_at_places() these are, but not below 0. Values of 0 are and stay empty.
 std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const double> values);
+/// A smooth field that has `values` at the places, at those of refined() unknowns: by cubic
+/// interpolation, but not below 0.
+std::vector<double> refined_values(const Unknowns& unknowns, std::span<const double> values);
 /// The mean of each value and its neighbours along the axes, which have half of its weight.
 std::vector<double> averaged_with_neighbours(const Unknowns& unknowns, std::vector<double> values);
 /// How far a field may lie from its interpolation between unknowns: an eighth of the second

@@ -44,6 +44,9 @@ class LayerUnknowns : public Unknowns {
     return 4 * std::numbers::pi * grid_.semi_axes.x * grid_.semi_axes.y * grid_.semi_axes.z * hat *
            step * step * step;
   }
+  std::unique_ptr<Unknowns> refined() const override {
+    return make_layer_unknowns({grid_.centre, grid_.semi_axes, 2 * grid_.layers});
+  }
   void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override;
   VoxelField field(std::span<const double> values, const std::string& name) const override {
     // The voxel size is the width of a layer along the shortest semi-axis.

@@ -95,6 +95,14 @@ class RingUnknowns : public Unknowns {
         std::numbers::pi * grid_.radial_step * grid_.radial_step * (i > 0 ? 2 * i : 1.0 / 3);
     return area * grid_.height_step;
   }
+  std::unique_ptr<Unknowns> refined() const override {
+    RingGrid finer = grid_;
+    finer.radial_step /= 2, finer.height_step /= 2;
+    finer.rings *= 2;
+    finer.heights = 2 * grid_.heights + 1;
+    finer.base = grid_.base - finer.height_step * w_;
+    return make_ring_unknowns(finer);
+  }
   void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override;
   VoxelField field(std::span<const double> values, const std::string& name) const override;
 

@@ -58,6 +58,39 @@ std::vector<double> samples_of_places(const Unknowns& unknowns, std::span<const 
   return samples;
 }
 
+std::vector<double> refined_values(const Unknowns& unknowns, std::span<const double> values) {
+  std::vector<double> fine(values.begin(), values.end());
+  std::size_t behind = fine.size();
+  std::size_t before = 1;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const auto count = static_cast<std::size_t>(unknowns.shape()[axis]);
+    behind /= count;
+    if (count < 2) continue;
+    const bool even = axis == 0 && unknowns.begins_at_centre();
+    const std::size_t finer = even ? 2 * count : 2 * count + 1;
+    const std::vector<double> own =
+        std::exchange(fine, std::vector<double>(before * finer * behind));
+    for (std::size_t line = 0; line < before * behind; ++line) {
+      const std::size_t b = line / behind, e = line % behind;
+      const auto at = [&](std::ptrdiff_t j) {
+        if (j < 0 && even) j = -j;
+        return j < 0 || j >= static_cast<std::ptrdiff_t>(count)
+                   ? 0
+                   : own[(b * count + static_cast<std::size_t>(j)) * behind + e];
+      };
+      for (std::size_t i = 0; i < finer; ++i) {
+        const std::size_t k = even ? i : i + 1;
+        const auto j = static_cast<std::ptrdiff_t>(k / 2) - (even ? 0 : 1);
+        fine[(b * finer + i) * behind + e] =
+            k % 2 == 0 ? at(j)
+                       : std::max(0.0, (9 * (at(j) + at(j + 1)) - at(j - 1) - at(j + 2)) / 16);
+      }
+    }
+    before *= finer;
+  }
+  return fine;
+}
+
 std::vector<double> averaged_with_neighbours(const Unknowns& unknowns, std::vector<double> values) {
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const std::vector<double> own = values;

@@ -39,6 +39,19 @@ class VoxelUnknowns : public Unknowns {
   }
   Vec3 place(std::size_t unknown) const override { return lattice().place(unknown); }
   double volume(std::size_t) const override { return volume_; }
+  std::unique_ptr<Unknowns> refined() const override {
+    RegularLattice finer = lattice();
+    AffineTransform& map = finer.index_to_world;
+    Mat3 steps = transpose(map.linear);
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (finer.count[a] < 2) continue;
+      finer.count[a] = 2 * finer.count[a] + 1;
+      steps.rows[a] = 0.5 * steps.rows[a];
+      map.translation = map.translation - steps.rows[a];
+    }
+    map.linear = transpose(steps);
+    return make_voxel_unknowns(finer);
+  }
   void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override {
     walk_.append(ray, t_near, t_far, out);
   }
