@@ -342,13 +342,15 @@ std::size_t seen_by_a_person(const Picture& picture, double f_number) {
   return count;
 }
 
-// A sample of boards in micro-images as soft as those of a stopped-down camera with three types.
+// Boards in micro-images as soft as those of a stopped-down camera with three types.
 TEST(BoardCorners, OfSoftMicroImages) {
   if (!in_full()) return;
   constexpr double kStop = 4.8;
+  constexpr int kBoards = 29, kLeast = 27;
   std::mt19937_64 random(29);
   std::uniform_real_distribution<double> uniform(-1, 1);
-  for (int number = 0; number < 8; ++number) {
+  int boards = 0;
+  for (int number = 0; number < kBoards; ++number) {
     std::string board = board_of("checkerboard", 6, 5, uniform(random), 3);
     const auto put = [&](const std::string& from, const std::string& to) {
       board.replace(board.find(from), from.size(), to);
@@ -361,13 +363,21 @@ TEST(BoardCorners, OfSoftMicroImages) {
     put("\"-102 deg\"", angle(-90, 20));
     put("\"10 deg\"", angle(0, 30));
     const Picture picture = with_noise(clean_picture(board, kThreeTypes, kStop, 16), 4000);
-    BoardCorners found;
-    EXPECT_NO_THROW(found = find_board(picture.light, picture.camera, {false, 5, 4, 3e-3}))
-        << number;
     const std::size_t seen = seen_by_a_person(picture, kStop);
     EXPECT_GT(seen, 20u) << number;
-    EXPECT_GE(2 * found.corners.size(), seen) << number;
+    std::size_t found = 0;
+    std::string reason;
+    try {
+      found = find_board(picture.light, picture.camera, {false, 5, 4, 3e-3}).corners.size();
+    } catch (const InputError& error) {
+      reason = error.what();
+    }
+    std::printf("board %2d: %3zu corners of %3zu that a person sees %s\n", number, found, seen,
+                reason.c_str());
+    boards += 2 * found >= seen ? 1 : 0;
   }
+  std::printf("f/%g: %d of %d boards found\n", kStop, boards, kBoards);
+  EXPECT_GE(boards, kLeast);
 }
 
 INSTANTIATE_TEST_SUITE_P(BoardCorners, CornerPlaces, testing::Values(2.9, 4.8, 8.0));
