@@ -219,8 +219,14 @@ TEST(BoardCorners, SaysWhatWasSeen) {
   };
   Image even(picture.light.width, picture.light.height);
   std::fill(even.pixels.begin(), even.pixels.end(), 100.0F);
-  EXPECT_NE(reason(even, {false, 5, 4, 2.5e-3}).find("no board is seen: 0 corners"),
-            std::string::npos);
+  const std::string none = reason(even, {false, 5, 4, 2.5e-3});
+  EXPECT_NE(none.find("no board is seen: 0 corners"), std::string::npos) << none;
+  // A pixel is p (z / f - 1) a / B wide, where a is from the array to the image of z.
+  const std::size_t at = none.find("and at ");
+  ASSERT_NE(at, std::string::npos) << none;
+  const double z = std::stod(none.substr(at + 7)), f = 50e-3, array = 57.5e-3;
+  const double a = std::fabs(array - 1 / (1 / f - 1 / z));
+  EXPECT_TRUE(relative(6 * 5.5e-6 * (z / f - 1) * a / 0.4e-3, 2.5e-3, 0.05)) << none;
   EXPECT_NE(reason(picture.light, {false, 5, 4, 10e-3}).find("10 mm"), std::string::npos);
   EXPECT_NE(reason(picture.light, {false, 3, 3, 2.5e-3}).find("more than the board's 3 x 3"),
             std::string::npos);
