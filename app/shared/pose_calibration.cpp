@@ -43,7 +43,8 @@ std::vector<CornerObservation> corners_of(const GeometryRequest& request) {
     if (v.size() == kWithBlur) {
       corner.blur = v[8];
       corner.blur_error = v[9];
-      if (v[7] < 0 || corner.blur_error < 0)
+      corner.error = v[7];
+      if (corner.error < 0 || corner.blur_error < 0)
         throw InputError(row.at, "the errors of a place and of a blur are not below 0");
     }
     corners.push_back(corner);
@@ -182,6 +183,23 @@ void warn_of_outwards(const GeometryCalibration& found, const Execution& executi
       "the middle ({} by type of microlens). Distances err alike, and their errors include it; "
       "corners are found better in sharp micro-images (a board farther from the plane in focus)",
       100 * found.outwards_scatter, types));
+}
+
+/// Warns of residuals that the corners' own errors do not explain.
+void warn_of_residuals(const FoundGeometry& found, const Execution& execution) {
+  constexpr double kMost = 3;  // times
+  double squares = 0, count = 0;
+  for (std::size_t i = 0; i < found.corners.size(); ++i) {
+    if (!(found.corners[i].error > 0 && std::isfinite(found.fit.residuals[i].x))) continue;
+    squares += 2 * found.corners[i].error * found.corners[i].error;
+    count += 1;
+  }
+  const double stated = count > 0 ? std::sqrt(squares / count) : found.fit.corner_rms;
+  if (found.fit.corner_rms < kMost * stated) return;
+  execution.warn(
+      fmt::format("the fit leaves {:.3f} pixels {} of the corners, whose own errors are {:.3f}: "
+                  "distortion may be missing, or the board's points lie elsewhere",
+                  found.fit.corner_rms, kRmsOfBoth, stated));
 }
 
 /// Warns where radii and corners contradict each other.
@@ -381,6 +399,7 @@ FoundGeometry calibrate_geometry(const GeometryRequest& request, const SceneDocu
   found.poses = pose_table(found.fit);
   found.residuals = residual_table(found.fit, found.corners);
   found.report = report_of(found.fit);
+  warn_of_residuals(found, execution);
   warn_of_fit(found.fit, start, request, execution);
   return found;
 }

@@ -13,6 +13,7 @@
 #include "plenoflame/base/error.h"
 #include "plenoflame/calibration/array_fit.h"
 #include "plenoflame/calibration/white_lattice.h"
+#include "plenoflame/camera/camera.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_file.h"
 #include "report.h"
@@ -127,7 +128,7 @@ class WhiteRun {
                       "picture, "
                       "evenly lit and not overexposed? The picture shows which ones",
                       lattice_.good, lattice_.images.size(), apertures[0].files[0]));
-    warn_of_overlap(apertures[0].files[0]);
+    if (!warn_of_overlap(apertures[0].files[0])) warn_of_stop(apertures[0]);
     fit_camera();
     return result(white, apertures);
   }
@@ -161,13 +162,40 @@ class WhiteRun {
     return result(Image(), {{0, {file}}});
   }
 
+  /// Warns of a stop that the radii contradict. Squares of radii are those of the stop's image and
+  /// of the microlens' blur.
+  void warn_of_stop(const Aperture& aperture) const {
+    constexpr double kMost = 0.2;  // nominal distances of sensors are known better
+    if (!camera_ || camera_->scene.camera.lens.model != LensModel::ideal) return;
+    const CameraSpec& spec = camera_->scene.camera;
+    const Camera camera(spec);
+    const double b = spec.array.sensor_distance, pixel = spec.sensor.pixel_pitch,
+                 shrink = b / camera.lens_distance(),
+                 own = spec.lens.focal_length / spec.lens.diameter,
+                 f_number = aperture.f_number > 0 ? aperture.f_number : own,
+                 stop = 0.5 * shrink * spec.lens.focal_length / (f_number * pixel);
+    double expected = kInfinity, seen = kInfinity;  // of the sharpest type
+    for (const MicrolensSpec& type : spec.array.types) {
+      const double blur = camera.aperture().radius() / pixel * (1 - b / type.focal_length + shrink);
+      expected = std::min(expected, std::hypot(stop, blur));
+    }
+    for (const TypeLooks& type : lattice_.types) seen = std::min(seen, type.even_radius);
+    if (std::fabs(seen / expected - 1) < kMost) return;
+    execution_.warn(
+        fmt::format("micro-images of '{}' have a radius of {:.2f} pixels, by the camera's f/{:.3g} "
+                    "it is {:.2f}: was the stop another one, or is the sensor's distance?",
+                    aperture.files[0], seen, f_number, expected));
+  }
+
   /// The light of neighbours moves centres alike over the sensor, which no scatter tells.
-  void warn_of_overlap(const std::string& file) const {
+  /// @return whether micro-images overlap
+  bool warn_of_overlap(const std::string& file) const {
     constexpr double kMostReach = 0.6;  // of the pitch; from half of it on they touch
     const double pitch = lattice_.guess.pitch();
     double reach = 0;
     for (const TypeLooks& type : lattice_.types) reach = std::max(reach, type.radius + type.blur);
-    if (reach > kMostReach * pitch)
+    const bool overlap = reach > kMostReach * pitch;
+    if (overlap)
       execution_.warn(
           fmt::format("micro-images of '{}' overlap: they reach {:.1f} pixels "
                       "far from their "
@@ -175,6 +203,7 @@ class WhiteRun {
                       "tilt may be further "
                       "from the truth than is stated: stop the lens down",
                       file, reach, pitch));
+    return overlap;
   }
 
   CountFrames frames_of(const Aperture& aperture) const {

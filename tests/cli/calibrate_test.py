@@ -4,6 +4,7 @@ import csv
 import json
 import math
 import random
+import re
 
 from command import CommandTest, main
 from exr import read_exr
@@ -167,6 +168,15 @@ class White(CommandTest):
             self.assertEqual(result.returncode, 0, result.stderr)
             return result.stderr
         self.assertEqual(told("white.tif"), "")
+        # The camera's stop is one stop narrower or wider than that of the picture. The stop's image has a radius of
+        # B / b / 2 = 0.45 / 55.6 / 2 of its diameter, and that of 11 mm is 8.1 pixels.
+        for diameter in (7.8, 15.6):
+            self.write("stop.toml", camera().replace('"11 mm"', f'"{diameter} mm"'))
+            result = self.run_command("calibrate", "white", "white.tif", "--camera", "stop.toml", "--centres", "a.csv")
+            told_of = re.search(r"of 'white.tif' have a radius of ([\d.]+) pixels, by the camera's f/[\d.]+ it is ([\d.]+)",
+                                result.stderr)
+            for number, stop in zip(told_of.groups(), (11, diameter)):
+                self.assertLess(abs(float(number) / (0.5 * stop * 0.45 / (500 / 9) / 5.5e-3) - 1), 0.1)
         # The full well counts, far below the largest number: 9000 e- are 3970 counts, and the converter goes on to 4095.
         self.run_command("develop", "white.exr", "-o", "bright.tif", "--exposure", "10 s")
         self.assertRegex(told("bright.tif"), r"\d+ % of the pixels of 'bright.tif' are full")

@@ -94,8 +94,16 @@ class Boards(CommandTest):
         run = ("--camera", "real.toml", "-o", "blur.toml", "--free", "camera.array.sensor_distance")
         self.write("places.csv", "\n".join(",".join(row[:7]) for row in rows) + "\n")
         self.assertNotIn("blur_corners", self.json_of("calibrate", "geometry", "places.csv", *run))
-        self.write("bad.csv", "\n".join(",".join(row[:9] + ["-1"]) for row in rows[1:]) + "\n")
-        self.fails(1, "calibrate", "geometry", "bad.csv", *run, mentions=["bad.csv:1", "not below 0"])
+        for column in (7, 9):  # errors of the place and of the blur
+            bad = [list(row) for row in rows]
+            bad[2][column] = "-0.1"
+            self.write("bad.csv", "\n".join(map(",".join, bad)) + "\n")
+            self.fails(1, "calibrate", "geometry", "bad.csv", *run, mentions=["bad.csv:3", "not below 0"])
+        # Neighbouring micro-images lie to the right and to the left of where they belong.
+        moved = [[*r[:3], repr(float(r[3]) + 0.65 * (-1) ** int(r[5])), *r[4:]] for r in rows[1:]]
+        self.write("moved.csv", "\n".join(map(",".join, moved)) + "\n")
+        result = self.run_command("calibrate", "geometry", "moved.csv", "--camera", "nominal.toml", *run[2:])
+        self.assertRegex(result.stderr, r"the fit leaves 0\.6\d+ pixels .* of the corners, whose own errors are 0\.0")
         self.write("other.toml", camera().replace('focal_length = "0.5 mm"', 'focal_length = "0.56 mm"'))
         result = self.run_command("calibrate", "geometry", "corners.csv", "--camera", "other.toml", *run[2:])
         self.assertEqual(result.returncode, 0, result.stderr)

@@ -131,12 +131,12 @@ class BoardFinder {
     std::vector<Meeting> meetings;
     for_pairs([&](const Meeting& meeting) { meetings.push_back(meeting); });
     if (meetings.size() < kFewestPairs)
-      throw InputError(
-          "no board is seen: " + seen_text() +
-          ", of which hardly two lie on lines that "
-          "meet in front of the camera; does it stand away from the plane that is sharp "
-          "on the array (where a microlens sees a point of it), is it sharp in "
-          "micro-images, and is the camera that of the picture?");
+      throw InputError(fmt::format(
+          "no board is seen: {}, of which hardly two lie on lines that meet in front of the "
+          "camera; "
+          "{}. Does it face the camera, is it sharp in micro-images, and is the camera that of the "
+          "picture?",
+          seen_text(), picture_.where_seen(board_.cell)));
     plane_ = BoardPlane::where_most_meet(meetings, kNear * picture_.in_focus(),
                                          kFar * picture_.in_focus());
   }
@@ -464,8 +464,8 @@ class BoardFinder {
     if (points_.size() < kFewestPoints)
       throw InputError(
           fmt::format("the board that is seen has {} points that show through two "
-                      "microlenses or more",
-                      points_.size()));
+                      "microlenses or more; {}",
+                      points_.size(), picture_.where_seen(board_.cell)));
     refit_plane();
     set_axes();
     for (Point& point : points_) {

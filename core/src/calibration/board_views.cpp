@@ -146,6 +146,18 @@ double BoardViews::in_focus() const {
   return z > 0 && std::isfinite(z) ? z : 1e3 * f;
 }
 
+std::string BoardViews::where_seen(double cell) const {
+  constexpr double kLeast = 6;  // pixels
+  // A pixel's width at a distance grows from 0 in the plane in focus on.
+  const double focus = in_focus(), pixel = length(views_[views_.size() / 2].beside.slope);
+  const double reach = cell / (kLeast * pixel);
+  return fmt::format(
+      "squares of {:.3g} mm have {:g} pixels at {:.3g} m and at {:.3g} m, and more towards the "
+      "plane "
+      "in focus at {:.3g} m",
+      1e3 * cell, kLeast, std::max(0.0, focus - reach), focus + reach, focus);
+}
+
 Vec2 BoardViews::pixel_of(const LensView& view, Vec3 point) const {
   const Vec2 per_pixel = at_depth(view.beside, point.z), size = camera_.spec().sensor.pixel();
   const double scale = size.x / per_pixel.x;

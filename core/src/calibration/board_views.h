@@ -1,5 +1,6 @@
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "calibration/board_marks.h"
@@ -52,6 +53,8 @@ class BoardViews {
   const std::vector<LensView>& views() const { return views_; }
   /// Distance of the plane that is in focus on the array [m].
   double in_focus() const;
+  /// Tells from where to where squares of this side [m] are large enough in micro-images.
+  std::string where_seen(double cell) const;
   SeenMark seen_at(std::size_t view, const BoardMark& mark) const;
   /// The pixel at which a microlens sees a point.
   Vec2 pixel_of(const LensView& view, Vec3 point) const;

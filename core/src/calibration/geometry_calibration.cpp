@@ -37,9 +37,10 @@ void check_on_sensor(const CameraSpec& camera, const std::string& what, Vec2 pix
 void check_plausible(const CameraSpec& start, const std::vector<const FreeValue*>& free,
                      double rms_of_start, const GeometryCalibration& found) {
   constexpr double kMost = 2;  // times, or a half: values to start with are those of a data sheet
-  const char* const what_to_do =
-      "give more poses at other distances and angles, or centres of micro-images, search for fewer "
-      "values, or check whether the corners are this camera's";
+  const std::string what_to_do = fmt::format(
+      "give more poses at other distances and angles, {}search for fewer values, or "
+      "check whether the corners are this camera's",
+      found.centres == 0 ? "give centres of micro-images, " : "");
   CameraSpec before = start, after = found.camera;
   for (const FreeValue* value : free) {
     const std::string key = value->key;
@@ -52,14 +53,6 @@ void check_plausible(const CameraSpec& start, const std::vector<const FreeValue*
                                  readable_quantity(from, Dimension::length),
                                  readable_quantity(to, Dimension::length), what_to_do));
   }
-  constexpr double kFarthest = 100;  // times the plane in focus
-  const double focus = GeometryFit::plane_in_focus(Camera(start));
-  for (const BoardPose& pose : found.poses)
-    if (!(std::fabs(pose.to_camera.translation.z) < kFarthest * std::fabs(focus)))
-      throw InputError(fmt::format(
-          "the fit ran away: the board of pose {} would be {:.3g} m from the camera; are "
-          "x and y of the corners in metres?",
-          pose.pose, pose.to_camera.translation.z));
   if (found.corner_rms > rms_of_start)
     throw InputError(fmt::format(
         "the camera that was found leaves {:.3g} pixels RMS of the corners, the one to start with "

@@ -123,10 +123,14 @@ void GeometryFit::update_noise() {
     if (used_[i]) squares += dot(residuals_[i], residuals_[i]), count += 2;
   const double freedom = count - static_cast<double>(first_of_outwards());
   noise2_ = std::max(kLeastNoise2, squares / std::max(1.0, freedom));
-  double blur = 0, blurs = 0;
+}
+
+/// RMS of what the fit leaves of blur, over the stated deviations. 0: there is none.
+double GeometryFit::blur_rms() const {
+  double sum = 0, count = 0;
   for (std::size_t i = 0; i < used_.size(); ++i)
-    if (has_blur(i)) blur += blur_residuals_[i] * blur_residuals_[i], blurs += 1;
-  if (blurs > 0) blur_excess_ = std::max(1.0, std::sqrt(blur / blurs));
+    if (has_blur(i)) sum += blur_residuals_[i] * blur_residuals_[i], count += 1;
+  return count > 0 ? std::sqrt(sum / count) : 0;
 }
 
 int GeometryFit::loosen(double Looseness::*which, double start, const Execution& execution) {
@@ -204,7 +208,9 @@ void GeometryFit::check_determined() const {
     }
   throw InputError("the observations do not determine " + names +
                    " (together, where there are several): give more poses at other distances and "
-                   "angles, or centres of micro-images, or search for fewer values");
+                   "angles, " +
+                   (seen_->centres.empty() ? "or centres of micro-images, " : "") +
+                   "or search for fewer values");
 }
 
 std::size_t GeometryFit::leave_out(double times) {
@@ -284,7 +290,7 @@ GeometryCalibration GeometryFit::result(int steps, double pupil) {
     result.poses[p].distance_error = std::sqrt(std::max(0.0, covariance(k, k)));
   }
   if (microlens_ > 0) {
-    result.blur = BlurMatch{0, blur_excess_, microlens_change_, 0};
+    result.blur = BlurMatch{0, blur_rms(), microlens_change_, 0};
     for (std::size_t i = 0; i < used_.size(); ++i) result.blur->corners += has_blur(i) ? 1 : 0;
   }
   CameraSpec copy = spec_;

@@ -92,6 +92,10 @@ class GeometryFit {
   State state() const { return {spec_, poses_, outwards_, points_, blur_scale_, blur_offset_}; }
   void put(const State& state);
 
+  /// @throws InputError for a board of another unit
+  void check_size(const Camera& camera, int pose, std::size_t index) const;
+  /// Direction in which a corner is seen from the middle of the lens, if it is in focus.
+  Vec2 direction_of(const Camera& camera, std::size_t i) const;
   RigidTransform homography_pose(const Camera& camera, std::size_t pose) const;
   std::vector<FittedPoint> fitted_points();
   std::vector<LooseValue> loose_values() const;
@@ -110,6 +114,7 @@ class GeometryFit {
   void add_all_known();
   void add(const FittedPoint& point);
   void update_noise();
+  double blur_rms() const;
   bool has_blur(std::size_t i) const;
   double predicted_blur(const CameraSpec& spec, std::size_t i) const;
   FittedPoint row_of_blur(std::size_t i, const std::vector<Camera>& moved) const;
@@ -148,11 +153,11 @@ class GeometryFit {
   std::vector<Vec3> points_;      ///< [m] of each point of the board from its nominal place
   /// By which all blur exceeds that of the microlenses' apertures: a share, and [pixel].
   double blur_scale_ = 0, blur_offset_ = 0;
-  double lens_radius_ = 0;               ///< [pixel]
-  double microlens_ = 0;                 ///< GeometrySettings::microlens; 0: blur is not used yet
-  double blur_excess_ = 1;               ///< deviations of blur over the stated ones
-  std::vector<std::size_t> blur_types_;  ///< types of microlenses with such corners
-  double microlens_change_ = 0;          ///< BlurMatch::change by places and blur alone
+  double lens_radius_ = 0;  ///< [pixel]
+  double microlens_ = 0;    ///< GeometrySettings::microlens; 0: blur is not used yet
+  double blur_excess_ = 1;  ///< deviations of blur over the stated ones, before loose values
+  std::vector<std::size_t> blur_types_;        ///< types of microlenses with such corners
+  double microlens_change_ = 0;                ///< BlurMatch::change by places and blur alone
   std::vector<double> nominal_focal_lengths_;  ///< [m] of each type
   std::vector<bool> blur_used_;
   std::vector<double> blur_residuals_;  ///< over the stated deviations

@@ -151,11 +151,15 @@ int GeometryFit::use_blur(double microlens, const Execution& execution) {
 
 int GeometryFit::solve_weighted(const Execution& execution) {
   int steps = 0;
-  for (int round = 0; round < kWeightRounds; ++round) {
+  const auto weigh = [&] {
     update_noise();
+    blur_excess_ = std::max(1.0, blur_rms());
+  };
+  for (int round = 0; round < kWeightRounds; ++round) {
+    weigh();
     steps += solve(free_, execution);
   }
-  update_noise();
+  weigh();
   linearise();
   return steps;
 }

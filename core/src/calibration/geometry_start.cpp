@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <string>
 
@@ -20,12 +22,38 @@ void GeometryFit::start_poses() {
     if (count < 8)
       throw InputError("pose " + std::to_string(pose) + " has " + std::to_string(count) +
                        " corners; at least 8 are needed");
+    check_size(camera, pose, index);
     poses_[index] = homography_pose(camera, index);
   }
 }
 
-RigidTransform GeometryFit::homography_pose(const Camera& camera, std::size_t pose) const {
+Vec2 GeometryFit::direction_of(const Camera& camera, std::size_t i) const {
   const double focus = plane_in_focus(camera);
+  return (1 / focus) *
+         (seen_line(camera, lenses_[i], found_at(camera, i)).at(focus) - spec_.lens.decentre);
+}
+
+void GeometryFit::check_size(const Camera& camera, int pose, std::size_t index) const {
+  Vec2 board, seen;
+  double board2 = 0, seen2 = 0, count = 0;
+  for (std::size_t i = 0; i < used_.size(); ++i) {
+    if (pose_of_[i] != index) continue;
+    const Vec2 b = seen_->corners[i].board, t = direction_of(camera, i);
+    board = board + b, seen = seen + t;
+    board2 += dot(b, b), seen2 += dot(t, t), count += 1;
+  }
+  const double spread = board2 - dot(board, board) / count;
+  if (spread <= 1e-9 * board2) return;  // one point
+  const double z = std::sqrt(spread / (seen2 - dot(seen, seen) / count));
+  const double focus = plane_in_focus(camera), f = camera.ideal().focal_length;
+  if (z > 0.1 * f && z < 100 * focus) return;
+  throw InputError(fmt::format(
+      "pose {}: by its size the board would be {:.2g} m from the lens, whose focal length is "
+      "{:.3g} m and whose plane in focus is at {:.3g} m; x and y of the corners are in metres",
+      pose, z, f, focus));
+}
+
+RigidTransform GeometryFit::homography_pose(const Camera& camera, std::size_t pose) const {
   double size = 0, count = 0;
   for (std::size_t i = 0; i < used_.size(); ++i)
     if (pose_of_[i] == pose) size += length(seen_->corners[i].board), ++count;
@@ -33,9 +61,7 @@ RigidTransform GeometryFit::homography_pose(const Camera& camera, std::size_t po
   Eigen::Matrix<double, 9, 9> square = Eigen::Matrix<double, 9, 9>::Zero();
   for (std::size_t i = 0; i < used_.size(); ++i) {
     if (pose_of_[i] != pose) continue;
-    const Vec2 board = seen_->corners[i].board, pixel = seen_->corners[i].pixel;
-    const Vec2 s = camera.sensor_point(pixel.x, pixel.y);
-    const Vec2 t = (1 / focus) * (seen_line(camera, lenses_[i], s).at(focus) - spec_.lens.decentre);
+    const Vec2 board = seen_->corners[i].board, t = direction_of(camera, i);
     const Eigen::Vector3d b(board.x / size, board.y / size, 1);
     Eigen::Matrix<double, 9, 1> row;
     row << b, Eigen::Vector3d::Zero(), -t.x * b;

@@ -72,6 +72,26 @@ TEST(GeometryCalibration, RefusesWhatRanAway) {
   EXPECT_TRUE(relative(std::stod(message.substr(at + words.size())), 400, 0.01)) << message;
 }
 
+// A board of another unit looks the same from as many times the distance.
+TEST(GeometryCalibration, RefusesABoardOfAnotherUnit) {
+  const Seen seen = observe(truth(), 3, 0.05);
+  for (const double unit : {1e3, 1e-3}) {
+    std::vector<CornerObservation> corners = seen.corners;
+    for (CornerObservation& corner : corners) corner.board = unit * corner.board;
+    std::string message;
+    try {
+      calibrate_geometry(truth(), corners, seen.centres);
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+    const std::string words = "pose 0: by its size the board would be ";
+    ASSERT_EQ(message.find(words), 0u) << message;
+    EXPECT_TRUE(relative(std::stod(message.substr(words.size())), unit * seen.distances[0], 0.3))
+        << message;
+    EXPECT_NE(message.find("x and y of the corners are in metres"), std::string::npos) << message;
+  }
+}
+
 CameraSpec distorting() {
   CameraSpec camera = truth();
   camera.lens.distortion = {0.7, -25, 0, 0.004, -0.006, 0.33};
@@ -354,14 +374,17 @@ TEST(GeometryCalibration, WrongCornersAreLeftOut) {
 // together.
 TEST(GeometryCalibration, SaysWhatIsNotDetermined) {
   const Seen seen = observe(truth(), 1, 0.02, 0);
-  try {
-    calibrate_geometry(nominal(), seen.corners, seen.centres);
-    FAIL() << "nothing was refused";
-  } catch (const InputError& error) {
-    const std::string text = error.what();
-    EXPECT_NE(text.find("do not determine"), std::string::npos) << text;
-    EXPECT_NE(text.find("_distance"), std::string::npos) << text;
-  }
+  for (const bool with_centres : {true, false}) try {
+      calibrate_geometry(nominal(), seen.corners,
+                         with_centres ? seen.centres : std::vector<CentreObservation>());
+      FAIL() << "nothing was refused";
+    } catch (const InputError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(text.find("do not determine"), std::string::npos) << text;
+      EXPECT_NE(text.find("_distance"), std::string::npos) << text;
+      // Nobody is asked for what was given.
+      EXPECT_EQ(text.find("centres of micro-images") == std::string::npos, with_centres) << text;
+    }
 }
 
 TEST(GeometryCalibration, RefusesWhatCannotBe) {

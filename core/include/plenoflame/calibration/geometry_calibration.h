@@ -22,6 +22,7 @@ struct CornerObservation {
   /// the microlens turns that image over.
   double blur = 0;
   double blur_error = 0;  ///< [pixel] standard deviation; 0: the blur is not known
+  double error = 0;       ///< [pixel] standard deviation of each coordinate; 0: it is not known
 };
 
 /// The centre of a micro-image in white pictures.
