@@ -91,6 +91,7 @@ tests         zsh                      tests of completions
 tests         fish                     the same
 tests         mypy                     tests of the types of the Python package
 tests         desktop-file-utils       test of the entry of the desktop application in menus
+tests         openbox                  tests of the window under a window manager
 tests         ffmpeg                   tests of films
 tests         mmdebstrap               a bare Debian that follows each way to build (tests/bare)
 slurm         slurm-wlm                test of a job array (tests/cli/slurm_test.py)

@@ -111,7 +111,7 @@ std::string colour_bar(const HeatMap& map) {
 }
 
 /// Marks, numbers and name of the axis below a map or, `upright`, beside it.
-std::string axis_svg(const MapAxis& axis, bool upright, double width, double height) {
+std::string axis_svg(const SliceAxis& axis, bool upright, double width, double height) {
   if (axis.label.empty()) return "";
   const double low = std::min(axis.first, axis.last), high = std::max(axis.first, axis.last);
   const double step =

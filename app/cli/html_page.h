@@ -4,14 +4,9 @@
 #include <vector>
 
 #include "plot.h"
+#include "slice_values.h"
 
 namespace plenoflame::cli {
-
-/// The quantity along one side of a map, from edge to edge. Without a label the side is bare.
-struct MapAxis {
-  std::string label;
-  double first = 0, last = 0;
-};
 
 /// Numbers on a rectangle, row by row from the top.
 struct HeatMap {
@@ -21,7 +16,7 @@ struct HeatMap {
   double low = 0, high = 1;    ///< ends of the colours
   bool signed_values = false;  ///< 0 is white, with a colour on either side
   double aspect = 1;           ///< of a value: its height over its width
-  MapAxis across, up;
+  SliceAxis across, up;        ///< a side without a label is bare
 };
 
 /// A page that needs no other file: pictures and plots are inside.

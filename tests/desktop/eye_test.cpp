@@ -81,7 +81,13 @@ TEST(EyeView, PointsHaveTheMediumsLightAndMediaThatAreKnownGiveTheSame) {
                                             static_cast<double>(i / layer) * flame->step.z};
     std::array<double, 3> emission{};
     const double absorption = compiled.medium->coefficients(place, emission.data());
+    const Box box = compiled.medium->bounds();
+    const double height = (place.z - box.lower.z) / (box.upper.z - box.lower.z);
     for (const EyeFlame::Point& p : {flame->points[i], same->points[i]}) {
+      if (height > 0.5) {  // fades to nothing, and is not cut
+        EXPECT_LE(static_cast<double>(p.y), emission[1] * (height < 0.99 ? 1.001 : 0.02));
+        continue;
+      }
       EXPECT_TRUE(test::relative(static_cast<double>(p.x), emission[0], 1e-3));
       EXPECT_TRUE(test::relative(static_cast<double>(p.y), emission[1], 1e-3));
       EXPECT_TRUE(test::relative(static_cast<double>(p.z), emission[2], 1e-3));

@@ -22,7 +22,7 @@ struct Entry {
   const char* name;
   std::unique_ptr<QObject> (*make)();
 };
-constexpr std::array<Entry, 18> kTests{{{"window", make_window_test},
+constexpr std::array<Entry, 19> kTests{{{"window", make_window_test},
                                         {"panels", make_panels_test},
                                         {"selection", make_selection_test},
                                         {"picture", make_picture_test},
@@ -39,7 +39,8 @@ constexpr std::array<Entry, 18> kTests{{{"window", make_window_test},
                                         {"lecture", make_lecture_test},
                                         {"drawing", make_drawing_test},
                                         {"surroundings", make_surroundings_test},
-                                        {"measured", make_measured_test}}};
+                                        {"measured", make_measured_test},
+                                        {"object", make_object_test}}};
 
 }  // namespace
 

@@ -1,8 +1,14 @@
 // Times of everything that somebody waits for; run by hand, see docs/developer/testing.md. Nothing
 // here passes or fails.
+#include <QVTKOpenGLNativeWidget.h>
 #include <malloc.h>
 #include <sys/resource.h>
 #include <unistd.h>
+#include <vtkCallbackCommand.h>
+#include <vtkNew.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkRendererCollection.h>
 
 #include <QAction>
 #include <QApplication>
@@ -91,10 +97,20 @@ void turn(MainWindow& window, Heartbeat& heart) {
   since.start();
   const double worked_before = worked(), all_before = milliseconds(CLOCK_PROCESS_CPUTIME_ID);
   constexpr int kPictures = 60;
+  int drawn = 0;
+  vtkNew<vtkCallbackCommand> counter;
+  counter->SetClientData(&drawn);
+  counter->SetCallback(
+      [](vtkObject*, unsigned long, void* count, void*) { ++*static_cast<int*>(count); });
+  auto* const screen = dynamic_cast<QVTKOpenGLNativeWidget*>(view);
+  vtkRenderer* const renderer = screen->renderWindow()->GetRenderers()->GetFirstRenderer();
+  const unsigned long watch = renderer->AddObserver(vtkCommand::EndEvent, counter);
   for (int i = 1; i <= kPictures; ++i) {
     QTest::mouseMove(view, middle + QPoint(4 * i, i));
-    QApplication::processEvents();
+    while (drawn < i) QApplication::processEvents(QEventLoop::WaitForMoreEvents);
+    QApplication::processEvents();  // and it is on the screen
   }
+  renderer->RemoveObserver(watch);
   const double seconds = 1e-3 * static_cast<double>(since.elapsed());
   const double work = (worked() - worked_before) / kPictures;
   const double all = (milliseconds(CLOCK_PROCESS_CPUTIME_ID) - all_before) / kPictures;

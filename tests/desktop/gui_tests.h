@@ -23,6 +23,7 @@ std::unique_ptr<QObject> make_lecture_test();
 std::unique_ptr<QObject> make_drawing_test();
 std::unique_ptr<QObject> make_surroundings_test();
 std::unique_ptr<QObject> make_measured_test();
+std::unique_ptr<QObject> make_object_test();
 
 /// Opens a scene, changes it and, once it is kept aside, ends as a crash does.
 /// @return never 0

@@ -176,9 +176,9 @@ class ViewsTest : public test::SceneFixture {
     QVERIFY(renderer.GetUseDepthPeeling() != 0);
     mouse(scene3d(), QEvent::MouseButtonPress, middle, Qt::LeftButton);
     mouse(scene3d(), QEvent::MouseMove, middle + QPointF(60, 0), Qt::LeftButton);
-    QVERIFY(renderer.GetUseDepthPeeling() == 0);
+    QVERIFY(renderer.GetUseDepthPeeling() == 0 && renderer.GetPass());
     mouse(scene3d(), QEvent::MouseButtonRelease, middle + QPointF(60, 0), Qt::LeftButton);
-    QVERIFY(renderer.GetUseDepthPeeling() != 0);
+    QVERIFY(renderer.GetUseDepthPeeling() != 0 && !renderer.GetPass());
   }
 
   void whatWasAimedAtFitsEachSizeOfTheView() {

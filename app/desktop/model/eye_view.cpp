@@ -22,6 +22,7 @@ constexpr double kBrightShare = 0.98;  ///< of the columns with light that are d
 constexpr double kBrightOnScreen = 0.9;  ///< exposure of these, of white
 constexpr double kGlare = 0.08;          ///< share of the light that is scattered in the eye
 constexpr double kWhitening = 0.55;      ///< of the brightest light that loses its colour
+constexpr double kFading = 0.15;         ///< share of a flame's height in which its upper end fades
 
 Vec3 least_of(const Vec3& a, const Vec3& b) {
   return {std::min(a.x, b.x), std::min(a.y, b.y), std::min(a.z, b.z)};
@@ -96,6 +97,15 @@ bool is_same_in_all_channels(const FlameSpec& flame) {
          !flame.scattering.present();
 }
 
+/// The share of its light that a place keeps. Soot and plumes may end at full brightness where
+/// their grid does: a picture of them would end in a cut.
+double faded(const Box& flame, const Vec3& place) {
+  const Vec3 half = 0.5 * (flame.upper - flame.lower), from = place - flame.lower - half;
+  const double dome = from.x * from.x / (half.x * half.x) + from.y * from.y / (half.y * half.y);
+  const double t = std::clamp((half.z - from.z) / (2 * kFading * half.z) - dome, 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 /// Adds the light of one flame.
 void add_flame(const Medium& medium, const SpectralNodes& nodes, const SourceTable& table,
                const FlameSpec& flame, const Execution& execution, EyeFlame& all) {
@@ -105,12 +115,15 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, const SourceTab
     return nodes.mix.weight(channel, static_cast<int>(node));
   };
   const bool thermal = is_thermal(flame), grey = medium.is_grey();
+  const Box box = medium.bounds();
   const auto [nx, ny, nz] = all.count;
   for_rows(ny * nz, execution, [&, nx = nx, ny = ny](int row) {
     std::vector<double> emission(count), absorption(count);
     for (int i = 0; i < nx; ++i) {
       const Vec3 place{all.origin.x + i * all.step.x, all.origin.y + (row % ny) * all.step.y,
                        all.origin.z + (row / ny) * all.step.z};
+      const double kept = faded(box, place);
+      if (kept == 0) continue;
       if (thermal) {
         const MediumSample here = medium.sample(place);
         if (here.absorption == 0) continue;
@@ -130,7 +143,7 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, const SourceTab
       double luminous = 0;
       for (std::size_t n = 0; n < count; ++n)
         for (int c = 0; c < 3; ++c) {
-          const double light = flame.brightness * weight(c, n) * emission[n];
+          const double light = kept * flame.brightness * weight(c, n) * emission[n];
           xyz[static_cast<std::size_t>(c)] += light;
           if (c == 1) luminous += light * absorption[n];
         }

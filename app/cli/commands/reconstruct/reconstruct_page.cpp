@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "html_page.h"
+#include "slice_values.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -32,30 +33,21 @@ std::vector<Slice> slices(const Unknowns& unknowns, const std::vector<double>& e
   return {{"front", 1, 2, at}, {"side", 0, 2, at}, {"from above", 0, 1, at}};
 }
 
-/// The axis of the unknowns along a side of a slice, in mm. Its numbers are those of the world if
-/// it lies along one of the world's axes, else they count from the first unknown.
-MapAxis axis_of(const Unknowns& unknowns, const Slice& slice, std::size_t side) {
+/// The axis of the unknowns along a side of a slice, in mm.
+SliceAxis axis_of(const Unknowns& unknowns, const Slice& slice, std::size_t side) {
   const std::array<int, 3> shape = unknowns.shape();
-  const double spacing = 1e3 * unknowns.spacing()[side];
-  MapAxis axis{"along the grid [mm]", -0.5 * spacing, (shape[side] - 0.5) * spacing};
   if (unknowns.begins_at_centre()) {
-    axis.label = side == 0 ? "radius [mm]" : "height [mm]";
-    return axis;
+    const double spacing = 1e3 * unknowns.spacing()[side];
+    return {side == 0 ? "radius [mm]" : "height [mm]", -0.5 * spacing,
+            (shape[side] - 0.5) * spacing};
   }
   std::array<int, 3> from = slice.at, to = slice.at;
   from[side] = 0, to[side] = shape[side] - 1;
   const auto place = [&](const std::array<int, 3>& at) {
     return unknowns.place(static_cast<std::size_t>((at[0] * shape[1] + at[1]) * shape[2] + at[2]));
   };
-  const Vec3 first = place(from), way = place(to) - first;
-  const std::array along{way.x, way.y, way.z}, start{first.x, first.y, first.z};
-  for (std::size_t k = 0; k < 3; ++k)
-    if (std::fabs(along[k]) > 0.999999 * length(way)) {
-      const double edge = std::copysign(0.5 * spacing, along[k]);
-      axis = {std::string{"xyz"[k]} + " [mm]", 1e3 * start[k] - edge,
-              1e3 * (start[k] + along[k]) + edge};
-    }
-  return axis;
+  const Vec3 first = place(from);
+  return slice_axis(first, normalize(place(to) - first), unknowns.spacing()[side], shape[side]);
 }
 
 /// The values of a plane, without title, unit and limits.
@@ -95,26 +87,6 @@ std::vector<double> known_values(const Field& field) {
   for (std::size_t j = 0; j < field.deviation.size(); ++j)
     if (field.deviation[j] > kHardlyKnown * values[j]) values[j] = kNaN;
   return values;
-}
-
-/// Found value minus truth; no numbers where the flame is dark or the value is not shown.
-std::vector<double> errors_of(const std::vector<double>& known, const std::vector<double>& truth) {
-  std::vector<double> errors(known.size(), kNaN);
-  for (std::size_t j = 0; j < known.size(); ++j)
-    if (truth[j] > 0) errors[j] = known[j] - truth[j];
-  return errors;
-}
-
-/// The largest size of values where the flame emits at least a twentieth of its maximum: elsewhere
-/// they may be any.
-double size_where_lit(const std::vector<double>& values, const std::vector<double>& emission) {
-  constexpr double kLit = 0.05;
-  const double least = kLit * *std::ranges::max_element(emission);
-  double size = 0;
-  for (std::size_t j = 0; j < values.size(); ++j)
-    if (emission[j] >= least && std::isfinite(values[j]))
-      size = std::max(size, std::fabs(values[j]));
-  return size;
 }
 
 /// The value, its deviation and its error beside the truth, the last two on one scale.

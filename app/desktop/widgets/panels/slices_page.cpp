@@ -7,9 +7,8 @@
 #include <QSlider>
 #include <QVBoxLayout>
 #include <algorithm>
-#include <cmath>
-#include <limits>
 
+#include "slice_values.h"
 #include "widgets/image/axes_frame.h"
 #include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
@@ -27,39 +26,10 @@ const Field* field_named(const ReconstructFields& fields, const std::string& nam
   return found == fields.fields.end() ? nullptr : &*found;
 }
 
-/// Found minus true values; no numbers where the scene is dark.
-std::vector<float> differences(const Field& field) {
-  std::vector<float> all(field.truth.size(), std::numeric_limits<float>::quiet_NaN());
-  for (std::size_t i = 0; i < all.size(); ++i)
-    if (field.truth[i] > 0) all[i] = field.found[i] - field.truth[i];
-  return all;
-}
-
-/// The largest size of values where the flame emits at least a twentieth of its maximum.
-double size_where_lit(const std::vector<float>& values, const Field* emission) {
-  constexpr double kLit = 0.05;
-  double size = 0;
-  for (std::size_t i = 0; i < values.size(); ++i)
-    if (std::isfinite(values[i]) &&
-        (!emission || static_cast<double>(emission->found[i]) >= kLit * emission->largest))
-      size = std::max(size, std::fabs(static_cast<double>(values[i])));
-  return size;
-}
-
-/// The axis of the lattice in millimetres, from edge to edge. Its numbers are those of the world if
-/// it lies along one of the world's axes, else they count from the first voxel.
 AxesFrame::Axis axis_of(const VoxelPlace& place, std::size_t k) {
-  const double half = 500 * place.spacing[k],
-               length = 2 * half * static_cast<double>(place.size[k]);
-  const Vec3 d = place.direction[k];
-  const std::array along{d.x, d.y, d.z};
-  const std::array origin{place.origin.x, place.origin.y, place.origin.z};
-  for (std::size_t world = 0; world < 3; ++world)
-    if (std::fabs(along[world]) > 0.999999) {
-      const double sign = along[world], first = 1e3 * origin[world] - sign * half;
-      return {QString("%1 [mm]").arg("xyz"[world]), first, first + sign * length};
-    }
-  return {QObject::tr("along the grid [mm]"), -half, length - half};
+  const SliceAxis axis = slice_axis(place.origin, place.direction[k], place.spacing[k],
+                                    static_cast<double>(place.size[k]));
+  return {QString::fromStdString(axis.label), axis.first, axis.last};
 }
 
 }  // namespace
@@ -154,10 +124,11 @@ void SlicesPage::show_slices() {
     return;
   }
   const Field* const deviation = field_named(*fields_, (name + kDeviation).toStdString());
-  const std::vector<float> errors = differences(*field);
+  const std::vector<float> errors = errors_of(field->found, field->truth);
   const Field* const emission = field_named(*fields_, "emission");
-  const double reach = std::max(size_where_lit(deviation ? deviation->found : none, emission),
-                                size_where_lit(errors, emission));
+  const std::vector<float>& light = emission ? emission->found : none;
+  const double reach = std::max(size_where_lit(deviation ? deviation->found : none, light),
+                                size_where_lit(errors, light));
   const QString unit = QString::fromStdString(field->unit);
   const auto titled = [&](const QString& what) {
     return unit.isEmpty() ? what : what + " [" + unit + "]";

@@ -18,6 +18,7 @@
 #include "plenoflame/scene/glass_indices.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
+#include "widgets/scene/camera_body.h"
 #include "window_props.h"
 
 namespace plenoflame::desktop {
@@ -37,8 +38,8 @@ ThingSeen thing_in(const double* bounds, bool flat = false) {
 }  // namespace
 
 SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
-                             const std::vector<CameraSpec>& other_cameras)
-    : cameras{CameraOnAxis(Camera(scene.camera))} {
+                             const std::vector<CameraSpec>& other_cameras) {
+  add(scene.camera);
   for (const CameraSpec& neighbour : other_cameras) {
     Scene seen_by = scene;
     seen_by.camera = neighbour;
@@ -53,7 +54,7 @@ SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel
     other.plate_texture->DeepCopy(source->GetPlateTexture());
     others.push_back(other);
     set_indices(seen_by);
-    cameras.emplace_back(Camera(seen_by.camera));
+    add(seen_by.camera);
   }
   vtkNew<vtkPlenoflameScene> holder;
   holder->SetScene(scene);
@@ -76,6 +77,12 @@ SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel
   close->Update();
   detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
   detail->ShallowCopy(close->GetOutput());
+}
+
+void SceneGeometry::add(const CameraSpec& camera_spec) {
+  const Camera added(camera_spec);
+  cameras.emplace_back(added);
+  housings.push_back({housing_of(added, true), housing_of(added, false)});
 }
 
 void SceneGeometry::add_surroundings(const Scene& scene) {

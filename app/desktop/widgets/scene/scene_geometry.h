@@ -28,6 +28,8 @@ struct SceneGeometry {
   };
   std::vector<Other> others;
   std::vector<CameraOnAxis> cameras;  ///< the one that everything is about, then the others
+  /// Bodies of the same cameras, cut open and closed.
+  std::vector<std::array<vtkSmartPointer<vtkPolyData>, 2>> housings;
   views::SolidSurfaces solids;
   std::vector<std::vector<Vec3>> windows;  ///< their outlines
 
@@ -37,6 +39,8 @@ struct SceneGeometry {
   /// The solid surfaces and windows of the scene, once its flame is there.
   /// @throws FileError, InputError of mesh and texture files
   void add_surroundings(const Scene& scene);
+  /// Adds a camera, as a whole.
+  void add(const CameraSpec& camera);
   /// The things that the cameras look at.
   std::vector<ThingSeen> things() const;
 };

@@ -13,7 +13,7 @@ class vtkTextProperty;
 
 namespace plenoflame::desktop {
 
-constexpr double kTextGround = 0.6;  ///< opacity of the ground of a text
+constexpr double kTextGround = 0.75;  ///< opacity of the ground of a text
 
 /// Keeps texts in front of a 3-D view readable over its drawing.
 void set_text_ground(vtkTextProperty& style);

@@ -53,6 +53,7 @@
 #include "widgets/controls/tool_row.h"
 #include "widgets/flame/flame_opacity.h"
 #include "widgets/image/ruler.h"
+#include "widgets/scene/camera_body.h"
 #include "widgets/scene/ray_lines.h"
 #include "widgets/scene/scene_geometry.h"
 #include "widgets/scene/scene_view_parts.h"
@@ -113,12 +114,9 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
     drawn->place_labels();
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
-  // Glass before glass is sorted at rest alone: without a graphics card this takes longer than all
-  // else.
   v.turning->SetClientData(&v);
   v.turning->SetCallback([](vtkObject*, unsigned long event, void* drawn_by, void*) {
-    static_cast<View*>(drawn_by)->renderer->SetUseDepthPeeling(event ==
-                                                               vtkCommand::EndInteractionEvent);
+    static_cast<View*>(drawn_by)->sort_glass(event == vtkCommand::EndInteractionEvent);
   });
   v.style->AddObserver(vtkCommand::StartInteractionEvent, v.turning);
   v.style->AddObserver(vtkCommand::EndInteractionEvent, v.turning);
@@ -215,7 +213,10 @@ void SceneView::warm_up() {
     part_ = part;
     add_layers();
     view_->renderer->ResetCamera();
-    view_->window->Render();
+    for (const bool sorted : {false, true}) {
+      view_->sort_glass(sorted);
+      view_->window->Render();
+    }
   }
   part_ = Part::scene;
   highlighted_ = -1;
@@ -223,7 +224,8 @@ void SceneView::warm_up() {
   image_ = nullptr;
   rays_ = nullptr;
   temperatures_ = {0, 0};
-  for (const char* layer : {"camera", "flame", "rays"}) view_->replace(layer, [](vtkRenderer&) {});
+  for (const char* layer : {"camera", "housing", "flame", "rays"})
+    view_->replace(layer, [](vtkRenderer&) {});
   view_->window->Render();
 }
 
@@ -252,7 +254,7 @@ void SceneView::clear() {
   aimed_ = along_axis_ = false;
   schematic_ = {};
   other_schematics_.clear();
-  for (const char* layer : {"camera", "flame", "surroundings", "rays", "gaps"})
+  for (const char* layer : {"camera", "housing", "flame", "surroundings", "rays", "gaps"})
     view_->replace(layer, [](vtkRenderer&) {});
   find_ways();
   place_handles();
@@ -388,7 +390,25 @@ void SceneView::add_camera() {
     }
   });
   for (const auto& prop : view_->layers["camera"])
-    if (auto* actor = vtkActor::SafeDownCast(prop)) stand_out(*actor);
+    if (auto* actor = vtkActor::SafeDownCast(prop)) {
+      stand_out(*actor);
+      if (!actor->GetTexture() && actor->GetProperty()->GetOpacity() < 0.5) mirror_a_room(*actor);
+    }
+  add_housings();
+}
+
+void SceneView::add_housings() {
+  view_->replace("housing", [&](vtkRenderer& renderer) {
+    for (std::size_t i = 0; i < geometry_->cameras.size(); ++i)
+      if (auto* const housing = housing_shown(i))
+        add_housing(*placed(housing, i == 0 ? schematic_ : schematic_of_other(i - 1)), renderer);
+  });
+}
+
+vtkPolyData* SceneView::housing_shown(std::size_t camera) const {
+  const auto chosen = static_cast<Housing>(housing_->currentIndex());
+  if (is_close() || chosen == Housing::none) return nullptr;
+  return geometry_->housings.at(camera)[chosen == Housing::closed ? 1 : 0];
 }
 
 void SceneView::add_surroundings() {

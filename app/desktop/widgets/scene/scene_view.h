@@ -21,6 +21,7 @@ class QDoubleSpinBox;
 class QLabel;
 class QSlider;
 class vtkImageData;
+class vtkPolyData;
 class vtkRenderer;
 
 namespace plenoflame::desktop {
@@ -142,6 +143,9 @@ class SceneView : public QWidget {
   void find_light();
   void add_rays();
   void add_camera();
+  void add_housings();
+  /// The body of a camera, where it is in the world; null: none is shown.
+  vtkPolyData* housing_shown(std::size_t camera) const;
   void add_surroundings();
   /// True if flame, solid surfaces and windows belong to the present part.
   bool shows_flame() const { return part_ == Part::scene || part_ == Part::flame; }
@@ -184,7 +188,7 @@ class SceneView : public QWidget {
   ToolRow* tools_ = nullptr;
   QWidget* section_ = nullptr;
   std::vector<QWidget*> space_tools_;  ///< of three dimensions, which the section has no use for
-  QComboBox *drawing_ = nullptr, *cut_ = nullptr;
+  QComboBox *drawing_ = nullptr, *cut_ = nullptr, *housing_ = nullptr;
   QSlider* cut_place_ = nullptr;
   Notice* notice_ = nullptr;
   std::array<QAction*, 5> part_actions_{};

@@ -1,5 +1,6 @@
 #include <vtkBoundingBox.h>
 #include <vtkCamera.h>
+#include <vtkPolyData.h>
 
 #include <QAction>
 #include <QMouseEvent>
@@ -104,6 +105,8 @@ std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
   };
   const auto add_camera_box = [&] {
     add_box({}, 0.5 * geometry_->cameras.front().width, 0, scene_->camera.sensor());
+    if (auto* const housing = housing_shown(0))
+      add(corners_of(vtkBoundingBox(housing->GetBounds())));
   };
   switch (part_) {
     case Part::scene:

@@ -36,6 +36,7 @@
 #include "widgets/controls/glyphs.h"
 #include "widgets/controls/tool_row.h"
 #include "widgets/flame/flame_opacity.h"
+#include "widgets/scene/camera_body.h"
 #include "widgets/scene/scene_geometry.h"
 #include "widgets/scene/scene_view_parts.h"
 
@@ -304,6 +305,11 @@ void SceneView::make_drawing_tools() {
   cut_->setObjectName("flameCut");
   cut_->addItems({tr("Whole"), tr("Cut x"), tr("Cut y"), tr("Cut z")});
   cut_->setToolTip(tr("Leaves away what lies beyond a plane across an axis of the world"));
+  housing_ = new QComboBox(tools_);
+  housing_->setObjectName("cameraHousing");
+  housing_->addItems({tr("No housing"), tr("Housing cut open"), tr("Housing closed")});
+  housing_->setCurrentIndex(static_cast<int>(Housing::cut_open));
+  housing_->setToolTip(tr("A body around the camera, which no scene describes"));
   cut_place_ = new QSlider(Qt::Horizontal, tools);
   cut_place_->setObjectName("flameCutPlace");
   cut_place_->setRange(1, 99);
@@ -343,12 +349,18 @@ void SceneView::make_drawing_tools() {
     add_flame();
     render();
   });
+  connect(housing_, chosen, this, [this] {
+    if (!geometry_) return;
+    add_housings();
+    if (is_as_aimed() && !along_axis_) aim();
+    render();
+  });
   connect(cut_place_, &QSlider::valueChanged, this, [this] {
     add_flame();
     render();
   });
   for (QWidget* const spare : {static_cast<QWidget*>(drawing_), static_cast<QWidget*>(exposure_),
-                               static_cast<QWidget*>(cut_), tools})
+                               static_cast<QWidget*>(cut_), tools, static_cast<QWidget*>(housing_)})
     tools_->add_spare(spare);
 }
 
