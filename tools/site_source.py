@@ -146,7 +146,7 @@ def prepare(root, folder):
     for section, entries in sections:
         if section == "Reference":
             entries += [("Python package", "reference/python.md"), ("C++ libraries", "reference/cpp.md")]
-    nav = [{"Plenoflame": "index.md"}]
+    nav = [{"Home": "index.md"}]
     nav += [{section: [{title: page} for title, page in entries]} for section, entries in sections]
     nav += [{"More": [{"Overview": "overview.md"}, {"Changes": "changelog.md"}, {"Contributing": "contributing.md"}]}]
     text = (root / "packaging/site/mkdocs.yml").read_text()
