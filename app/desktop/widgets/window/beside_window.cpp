@@ -22,8 +22,8 @@
 #include <algorithm>
 #include <array>
 
+#include "colour_map.h"
 #include "flame_volume.h"
-#include "model/colour_map.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
 
