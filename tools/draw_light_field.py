@@ -32,7 +32,7 @@ def main():
         extent = [side * step * size / 2 for size, sides in zip(picture.image.shape[::-1], ((-1, 1), (-1, 1))) for side in sides]
         panels.append((picture.image, f"focused\nat {depth:g} m", extent))
     plt.rcParams.update({"font.family": "DejaVu Sans", "font.size": 12, "axes.titlesize": 13})
-    figure, axes = plt.subplots(1, 6, figsize=(14, 5.6), layout="constrained")
+    figure, axes = plt.subplots(1, 6, figsize=(14, 4.9), layout="compressed")
     for axis, (values, title, extent) in zip(axes, panels):
         shown = axis.imshow(LUMINANCE * numpy.asarray(values), cmap="inferno", vmin=0, vmax=110, extent=extent, interpolation="nearest")
         axis.set_title(title)
@@ -41,15 +41,16 @@ def main():
             axis.set_xlim(-17, 17)
             axis.set_ylim(-34, 34)
             axis.set_yticks((-30, -15, 0, 15, 30))
-            axis.set_xlabel("mm")
+            axis.set_xlabel("y (mm)")
         else:
-            columns = values.shape[1]
-            axis.set_xlim(0.12 * columns, 0.88 * columns)
+            rows, columns = values.shape
+            axis.set_xlim(columns / 2 - rows / 4, columns / 2 + rows / 4)  # the shape of the others
             axis.set_xticks(())
             axis.set_yticks(())
+    axes[3].set_ylabel("z (mm)")
     for axis in axes[4:]:
         axis.set_yticklabels(())
-    figure.colorbar(shown, ax=axes, label="luminance (kcd/m$^2$)", pad=0.01, shrink=0.9)
+    figure.colorbar(shown, ax=axes, label="luminance (kcd/m$^2$)", pad=0.01)
     save(figure, "turbulent-planes.png", 112)
 
 

@@ -7,9 +7,7 @@ The case is the R29 of docs/reconstruct.md: a candle, one picture with the senso
 is absorption times Planck's function over the channel. Needs what drawing.py says.
 """
 
-import shutil
-
-from drawing import ROOT, make, save, working_folder
+from drawing import candle_case, save
 
 import matplotlib.pyplot as plt
 import numpy
@@ -19,18 +17,6 @@ from scipy.interpolate import RegularGridInterpolator
 FOOT = (1, 0, -0.016)             # of the flame in the scene [m]
 BAND = (645e-9, 655e-9)           # of the channel [m]
 X, Z = numpy.linspace(-5, 5, 101), numpy.linspace(-0.5, 32.5, 331)  # of the slice, from the foot [mm]
-
-
-def computed(folder):
-    """Paths of the true flame and of the reconstructed one; made where missing."""
-    (folder / "examples").mkdir(parents=True, exist_ok=True)
-    shutil.copy(ROOT / "examples/candle-r29.toml", folder / "examples")
-    make(folder, {"examples/candle.vdb": "flame candle -o examples/candle.vdb",
-                  "r29.exr": "render examples/candle-r29.toml --samples 128 --quiet -o r29.exr",
-                  "r29-electrons.exr": "develop r29.exr --sensor -o r29-electrons.exr",
-                  "r29.vdb": "reconstruct examples/candle-r29.toml --images r29-electrons.exr --unknowns rings --bin 4 --rays 8 "
-                             "--absorption scene --quiet -o r29.vdb"})
-    return folder / "examples/candle.vdb", folder / "r29.vdb"
 
 
 def slice_of(path, grid, foot=(0, 0, 0)):
@@ -62,7 +48,12 @@ def panel(figure, axes, values, title, unit, **options):
 
 
 def main():
-    truth, result = computed(working_folder("reconstruction"))
+    folder = candle_case("reconstruction", "candle-r29", {
+        "r29.exr": "render examples/candle-r29.toml --samples 128 --quiet -o r29.exr",
+        "r29-electrons.exr": "develop r29.exr --sensor -o r29-electrons.exr",
+        "r29.vdb": "reconstruct examples/candle-r29.toml --images r29-electrons.exr --unknowns rings --bin 4 --rays 8 "
+                   "--absorption scene --quiet -o r29.vdb"})
+    truth, result = folder / "examples/candle.vdb", folder / "r29.vdb"
     temperature = slice_of(truth, "temperature")
     emission = emission_of(temperature, slice_of(truth, "absorption"))
     found = {name: slice_of(result, name, FOOT) for name in

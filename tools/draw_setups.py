@@ -288,10 +288,11 @@ def lines_of(paths):
 
 
 def behind(scene, kind, column, row):
-    """A pixel near this one whose rays pass through a microlens of this type."""
+    """A pixel near this one whose rays all pass through a microlens of this type and reach the flame."""
     pitch = scene.columns // 30
-    return next((x, row) for x in range(column, column + 3 * pitch, pitch)
-                if (scene.rays(pixels=[(x, row)], rays=8, status="reached").type == kind).all())
+    near = [(x, y) for y in range(row, row + 2 * pitch, pitch // 2) for x in range(column, column + 3 * pitch, pitch // 2)]
+    found = {pixel: scene.rays(pixels=[pixel], rays=8, status="reached") for pixel in near}
+    return next(pixel for pixel, rays in found.items() if len(rays) == 8 and (rays.type == kind).all())
 
 
 def draw_scene():

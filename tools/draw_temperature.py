@@ -31,7 +31,7 @@ def main():
     rows, columns = found.shape
     extent = (-columns / 2 * PIXEL, columns / 2 * PIXEL, FOOT - rows / 2 * PIXEL, FOOT + rows / 2 * PIXEL)
     plt.rcParams.update({"font.family": "DejaVu Sans", "font.size": 13, "axes.titlesize": 14})
-    figure, axes = plt.subplots(1, 4, figsize=(14, 8), layout="constrained", sharey=True)
+    figure, axes = plt.subplots(1, 4, figsize=(12, 8), layout="constrained", sharey=True)
     axes[0].imshow(plt.imread(place / "candle.png"), extent=extent, interpolation="bilinear")
     axes[0].set_title("own colours")
     axes[0].set_ylabel("height above the wick (mm)")

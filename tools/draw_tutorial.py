@@ -6,9 +6,7 @@
 Needs what drawing.py says.
 """
 
-import shutil
-
-from drawing import ROOT, make, save, working_folder
+from drawing import candle_case, save
 
 import matplotlib.pyplot as plt
 import numpy
@@ -18,14 +16,11 @@ FOOT = (0.3, 0, -0.016)  # of the flame in the scene [m]
 
 
 def main():
-    folder = working_folder("tutorial")
-    (folder / "examples").mkdir(exist_ok=True)
-    shutil.copy(ROOT / "examples/tutorial.toml", folder / "examples")
-    make(folder, {"examples/candle.vdb": "flame candle -o examples/candle.vdb",
-                  "flame.exr": "render examples/tutorial.toml --samples 128 --truth --quiet -o flame.exr",
-                  "measured.exr": "develop flame.exr --sensor -o measured.exr",
-                  "found.vdb": "reconstruct examples/tutorial.toml --images measured.exr --unknowns rings --grid 12,24 --absorption scene "
-                               "--quiet -o found.vdb"})
+    folder = candle_case("tutorial", "tutorial", {
+        "flame.exr": "render examples/tutorial.toml --samples 128 --truth --quiet -o flame.exr",
+        "measured.exr": "develop flame.exr --sensor -o measured.exr",
+        "found.vdb": "reconstruct examples/tutorial.toml --images measured.exr --unknowns rings --grid 12,24 --absorption scene "
+                     "--quiet -o found.vdb"})
     truth = folder / "examples/candle.vdb"
     true = slice_of(truth, "temperature")
     emission = emission_of(true, slice_of(truth, "absorption"))

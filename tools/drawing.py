@@ -5,6 +5,7 @@ PLENOFLAME names the command (build/release/app/cli/plenoflame). Packages: tools
 
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
 
@@ -41,6 +42,15 @@ def make(where, steps):
     for file, arguments in steps.items():
         if not (where / file).exists():
             run(*arguments.split(), where=where)
+
+
+def candle_case(name, scene, steps):
+    """The folder of this name with examples/SCENE.toml, its candle, and the files of the commands (see make)."""
+    folder = working_folder(name)
+    (folder / "examples").mkdir(exist_ok=True)
+    shutil.copy(ROOT / f"examples/{scene}.toml", folder / "examples")
+    make(folder, {"examples/candle.vdb": "flame candle -o examples/candle.vdb"} | steps)
+    return folder
 
 
 def turbulent_flame(where, voxel_size=1):

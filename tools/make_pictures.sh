@@ -65,11 +65,15 @@ if chosen error-time; then PLENOFLAME=$plenoflame tools/draw_error_time.py; fi #
 if chosen calibration; then PLENOFLAME=$plenoflame tools/draw_calibration.py; fi # needs the flame of the overview
 if chosen calibration-steps; then PLENOFLAME=$plenoflame tools/draw_calibration_steps.py; fi
 picture paper-flame-1m 0.53,0.5
-picture paper-flame-0.3m 0.5,0.5
 if chosen candle; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture candle 0.57,0.5
 
 if chosen candle-temperature; then PLENOFLAME=$plenoflame tools/draw_temperature.py; fi
+for name in film filters tube shapes depth; do # of how-to pages; film: minutes
+  if chosen "$name"; then PLENOFLAME=$plenoflame tools/draw_examples.py "$name"; fi
+done
+if chosen theory; then tools/theory_drawings.py; fi
+if chosen pipeline; then tools/pipeline_drawing.py; fi
 
 # The candle with its blue base in colour, in the light of CH* and in that of soot.
 if chosen candle-blue; then
@@ -92,7 +96,7 @@ if chosen tutorial; then
   rm -rf out/tutorial-views
   "$plenoflame" views out/tutorial.exr --grid 3 -o out/tutorial-views
   convert out/tutorial.png -filter point -resize 300% out/panel-raw.png
-  convert out/tutorial-views/contact.png -filter point -resize 500% out/panel-views.png
+  convert out/tutorial-views/contact.png -filter point -resize "x$(identify -format %h out/panel-raw.png)" out/panel-views.png
   join tutorial out/panel-raw.png out/panel-views.png
   PLENOFLAME=$plenoflame tools/draw_tutorial.py
 fi
@@ -113,8 +117,8 @@ if chosen lenslets-30; then
   scene=examples/lenslets-30.toml
   "$plenoflame" render "$scene" --samples 64 -o out/lenslets-30.exr
   draw() { xvfb-run -a "$plenoflame" picture "$scene" "$@"; }
-  draw --view camera --pixel 150,150 --pixel 90,210 --rays 48 -o docs/images/picture-camera.png
-  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 -o out/picture-array.png
+  draw --view array --image out/lenslets-30.exr --pixel 150,150 --rays 16 --no-axes --size 1200x640 -o out/picture-array.png
+  mogrify -crop 1200x590+0+0 +repage out/picture-array.png # without the legend, which the rays meet
   join picture-array out/picture-array.png
   xvfb-run -a "$plenoflame" picture examples/paper-objects-5m.toml --view flame -o docs/images/picture-objects.png
   build=$(cd "$(dirname "$plenoflame")/../.." && pwd)
@@ -149,7 +153,7 @@ if chosen paper-objects-5m; then
     out/panel-paper-objects-5m.png
 fi
 picture paper-objects-r29 0.5,0.5
-if chosen paper-objects-r29; then # views, planes and depth of docs/light-fields.md
+if chosen paper-objects-r29; then # views and planes of docs/light-fields.md
   raw=out/paper-objects-r29.exr
   rm -rf out/objects-views out/objects-planes out/objects-depth
   "$plenoflame" views "$raw" -o out/objects-views --grid 3
@@ -157,10 +161,7 @@ if chosen paper-objects-r29; then # views, planes and depth of docs/light-fields
   "$plenoflame" refocus "$raw" -o out/objects-planes --depths 1.3m:1.5m:2 --size 250
   convert out/objects-planes/*.png -filter point -resize 200% -background gray30 +smush 8 -depth 8 -strip \
     docs/images/objects-refocus.png
-  "$plenoflame" refocus "$raw" -o out/objects-depth --depths 1.2m:2m:17 --size 250 --all-in-focus
-  convert out/objects-depth/all_in_focus.png out/objects-depth/depth.png -filter point -resize 200% \
-    -background gray30 +smush 8 -depth 8 -strip docs/images/objects-depth.png
-  echo "docs/images/objects-views.png docs/images/objects-refocus.png docs/images/objects-depth.png"
+  echo "docs/images/objects-views.png docs/images/objects-refocus.png"
 fi
 if chosen burner; then "$plenoflame" flame candle -o examples/candle.vdb; fi
 picture burner 0.5,0.45
@@ -170,7 +171,7 @@ if chosen smoke; then
   rm -rf out/smoke-planes
   "$plenoflame" refocus out/smoke.exr -o out/smoke-planes --depths 1m:1.03m:2 --size 200
   convert out/smoke.png -filter point -resize 200% out/panel-smoke.png
-  convert out/smoke-planes/*.png -filter point -resize 300% -background gray30 +smush 8 out/panel-planes.png
+  convert out/smoke-planes/*.png -filter point -resize x600 -background gray30 +smush 8 out/panel-planes.png
   join smoke out/panel-smoke.png out/panel-planes.png
 fi
 shades=48 picture calibration-plate 0.3,0.3

@@ -64,7 +64,7 @@ def draw():
     import matplotlib.patches
 
     figure, axes = plt.subplots(figsize=(10, 8.6))
-    width, height, step = 4.1, 1.5, 2.05
+    width, height, step = 4.4, 1.5, 2.05
     x, top = 0.5, 6.6
     axes.add_patch(matplotlib.patches.Rectangle((x - 0.25, top - 4 * step - 0.2), width + 0.5, 4 * step - 0.22, fill=False, ls="--",
                                                 lw=0.8, edgecolor="#777777"))
@@ -81,14 +81,14 @@ def draw():
         box(axes, left, y, width, height, CONSUMER, name, about, files)
         if k == 0:  # a medium alone lights whole lines
             arrow(axes, rays, (left, y + height / 2 + 0.15), "", (0, 0), "center")
-        arrow(axes, paths, (left, y + height / 2 - 0.15), "WorldPath" if k == 2 else "", (0.1, -0.35), "center")
+        arrow(axes, paths, (left, y + height / 2 - 0.15), "WorldPath" if k == 2 else "", (0.25, -0.3), "left")
         arrow(axes, (left + width, y + height / 2), (left + width + 0.9, y + height / 2), "", (0, 0), "left")
         axes.text(left + width + 1, y + height / 2, handed, fontsize=9, style="italic", va="center")
     axes.text(x + width + 2, top - step + height + 0.18, "consumers of rays: blocks of up to 1024", fontsize=8, color="#555555")
-    axes.set_xlim(0, 13.8)
+    axes.set_xlim(0, 14.4)
     axes.set_ylim(-2.2, 8.3)
     axes.axis("off")
-    figure.savefig(ROOT / "docs/images/pipeline.png", dpi=110, bbox_inches="tight")
+    figure.savefig(ROOT / "docs/images/pipeline.png", dpi=150, bbox_inches="tight")
 
 
 if __name__ == "__main__":

@@ -4,8 +4,9 @@
     site_source.py prepare ROOT FOLDER    FOLDER/source with the pages, FOLDER/mkdocs.yml with the navigation
     site_source.py check SITE             every link and picture of the pages leads somewhere; prints those that do not
 
-The navigation is docs/README.md: its headings are the sections, its lists the pages. Numbered lists there are ways through
-the pages and no part of the navigation. Links of a page to sources and examples lead to copies of them. Standard library only.
+The navigation is docs/README.md: its headings are the sections, its lists the pages. Numbered lists below headings of the
+third level are ways through the pages: a page of a way ends with links to the way's previous and next page, which replace those
+of the navigation. Links of a page to sources and examples lead to copies of them. Standard library only.
 """
 
 import html.parser
@@ -18,10 +19,10 @@ import urllib.parse
 
 LINK = re.compile(r"(!?\[(?:[^\]\\]|\\.)*\])\(([^)\s]+)\)")
 LIST_ITEM = re.compile(r"^( *)([-*]|\d+\.) ")
-ENTRY = re.compile(r"^- \[(?P<title>[^\]]+)\]\((?P<path>[^)]+)\)")
+ENTRY = re.compile(r"^(?P<mark>-|\d+\.) \[(?P<title>[^\]]+)\]\((?P<path>[^)]+)\)")
 # Pages at the top of the repository, by the names that they have on the site.
-TOP_PAGES = {"README.md": "index.md", "CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md",
-             "docs/README.md": "contents.md"}
+TOP_PAGES = {"docs/README.md": "index.md", "README.md": "overview.md", "CHANGELOG.md": "changelog.md",
+             "CONTRIBUTING.md": "contributing.md"}
 
 
 def site_path(path):
@@ -89,17 +90,31 @@ class Page:
         return "\n".join(parts) + "\n"
 
 
-def sections(root):
-    """[(section, [(title, page of the site)])] from docs/README.md; sections without pages are left out."""
+def listed(root, level, numbered):
+    """[(heading, [(title, page of the site)])] of docs/README.md: headings of this level, with numbered or plain lists of pages."""
     found = []
     for line in (root / "docs/README.md").read_text(encoding="utf-8").splitlines():
         entry = ENTRY.match(line)
-        if line.startswith("## "):
-            found.append((line[3:].strip(), []))
-        elif entry:
+        if line.startswith("#"):
+            mark, _, heading = line.partition(" ")
+            found.append((heading.strip() if len(mark) == level else "", []))
+        elif entry and found[-1][0] and (entry["mark"] != "-") == numbered:
             path = (root / "docs").joinpath(entry["path"]).resolve().relative_to(root).as_posix()
             found[-1][1].append((entry["title"], site_path(path)))
     return [section for section in found if section[1]]
+
+
+def way_links(root):
+    """{page of the site: lines with the previous and the next page of each way that it belongs to}"""
+    found = {}
+    for way, entries in listed(root, 3, numbered=True):
+        steps = [("All ways", "index.md"), *entries, ("All pages", "index.md")]
+        for k, (_, page) in enumerate(entries):
+            (before, back), (after, on) = steps[k], steps[k + 2]
+            found[page] = found.get(page, "") + (
+                f"\n**{way}**, {k + 1} of {len(entries)}. Previous: [{before}]({relative(back, page)}). "
+                f"Next: [{after}]({relative(on, page)}).\n{{: .way }}\n")
+    return found
 
 
 def prepare(root, folder):
@@ -109,11 +124,12 @@ def prepare(root, folder):
     pages = [p.relative_to(root).as_posix() for p in sorted((root / "docs").rglob("*.md"))]
     copies = {p.relative_to(root).as_posix() for p in (root / "docs").rglob("*")
               if p.is_file() and p.suffix != ".md"}
-    for name in [*TOP_PAGES, *pages]:
+    links = way_links(root)
+    for name in dict.fromkeys([*TOP_PAGES, *pages]):
         page = Page(root, name)
         target = source / page.target
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(page.convert(), encoding="utf-8")
+        target.write_text(page.convert() + links.get(page.target, ""), encoding="utf-8")
         copies |= page.copies
     for name in sorted(copies):
         target = source / site_path(name)
@@ -122,17 +138,17 @@ def prepare(root, folder):
     for name in ("site.css", "formulas.js"):
         shutil.copyfile(root / "packaging/site" / name, source / name)
 
-    listed = sections(root)
-    known = {page for _, entries in listed for _, page in entries}
+    sections = listed(root, 2, numbered=False)
+    known = {page for _, entries in sections for _, page in entries}
     missing = [p for p in pages if site_path(p) not in known and p not in TOP_PAGES]
     if missing:
         raise SystemExit(f"docs/README.md does not list {', '.join(missing)}")
-    for section, entries in listed:
+    for section, entries in sections:
         if section == "Reference":
             entries += [("Python package", "reference/python.md"), ("C++ libraries", "reference/cpp.md")]
-    nav = [{"Plenoflame": "index.md"}]
-    nav += [{section: [{title: page} for title, page in entries]} for section, entries in listed]
-    nav += [{"More": [{"Changes": "changelog.md"}, {"Contributing": "contributing.md"}, {"All pages": "contents.md"}]}]
+    nav = [{"Home": "index.md"}]
+    nav += [{section: [{title: page} for title, page in entries]} for section, entries in sections]
+    nav += [{"More": [{"Overview": "overview.md"}, {"Changes": "changelog.md"}, {"Contributing": "contributing.md"}]}]
     text = (root / "packaging/site/mkdocs.yml").read_text()
     text += f"docs_dir: source\nsite_dir: html\nnav: {json.dumps(nav)}\n"  # JSON is YAML
     (folder / "mkdocs.yml").write_text(text)

@@ -101,7 +101,7 @@ def pupil_drawing():
     side_view(left)
     outline(right)
     figure.tight_layout()
-    figure.savefig(IMAGES / "theory-pupil.png", dpi=90, metadata={"Software": None})
+    figure.savefig(IMAGES / "theory-pupil.png", dpi=150, metadata={"Software": None})
     plt.close(figure)
 
 
@@ -126,13 +126,13 @@ def interval_drawing():
     axes.text(2.5, 2.1, "intervals end at faces of cells; two nodes (red) in each", fontsize=9, ha="center")
     plain(axes)
     figure.tight_layout()
-    figure.savefig(IMAGES / "theory-interval.png", dpi=90, metadata={"Software": None})
+    figure.savefig(IMAGES / "theory-interval.png", dpi=150, metadata={"Software": None})
     plt.close(figure)
 
 
 def save(figure, name):
     figure.tight_layout()
-    figure.savefig(IMAGES / f"theory-{name}.png", dpi=90, metadata={"Software": None})
+    figure.savefig(IMAGES / f"theory-{name}.png", dpi=150, metadata={"Software": None})
     plt.close(figure)
 
 
@@ -200,6 +200,7 @@ def window_drawing():
     left.text(0, -0.35, "camera", fontsize=9)
     left.text(2 + thickness / 2, -0.35, "t", fontsize=9, ha="center")
     left.set_title("A plate displaces", fontsize=10)
+    left.set_ylim(-0.8, 4.6)
     plain(left)
     outer, inner, b = 2.0, 1.5, 0.9
     turn = [2 * math.pi * k / 200 for k in range(201)]
@@ -227,8 +228,10 @@ def window_drawing():
     right.plot([0, 0], [0, b], color=INK, lw=0.8)
     right.plot([0], [0], "+", color=INK)
     right.text(0.08, b / 2, "b", fontsize=9)
-    right.text(0, -1.25, "r", fontsize=9)
-    right.text(0, -1.85, "R", fontsize=9)
+    for radius, name, angle in ((inner, "r", -0.9), (outer, "R", -2.2)):
+        end = (radius * math.cos(angle), radius * math.sin(angle))
+        right.annotate("", xy=end, xytext=(0, 0), arrowprops={"arrowstyle": "->", "color": INK, "lw": 0.8})
+        right.text(0.5 * end[0] + 0.2, 0.5 * end[1], name, fontsize=9)
     right.set_title("A tube turns", fontsize=10)
     plain(right)
     save(figure, "window")

@@ -16,7 +16,7 @@ import tempfile
 
 from reconstruction_views import TITLE
 
-INTRODUCTION = """# Validation of the reconstruction
+INTRODUCTION = """# Validation
 
 This page compares the program with published inverse problems and other programs. The tests in `tests/validation` compute the
 numbers and fail outside the tolerance. `tools/validation_page.py` writes the page.

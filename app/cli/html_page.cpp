@@ -9,6 +9,7 @@
 #include <memory>
 #include <string_view>
 
+#include "colour_map.h"
 #include "plenoflame/base/error.h"
 #include "plot.h"
 #include "readable.h"
@@ -18,6 +19,8 @@ namespace {
 
 constexpr double kPanelWidth = 300, kHighest = 450;  // points
 constexpr double kBeside = 46, kBelow = 36;          // room for axes
+constexpr double kLeastPanel = 190;  // room for a title and for the numbers of a scale
+constexpr Rgb kNotKnown{153, 153, 153};
 
 std::string escaped(const std::string& text) {
   std::string result;
@@ -50,20 +53,6 @@ std::string base64(std::string_view bytes) {
   return text;
 }
 
-/// Black over red and yellow to white; or blue over white to red.
-std::array<double, 3> colour_of(double share, bool signed_values) {
-  share = std::clamp(share, 0.0, 1.0);
-  if (signed_values) {
-    const double away = 2 * share - 1;
-    return away < 0 ? std::array{1 + away, 1 + 0.8 * away, 1.0}
-                    : std::array{1.0, 1 - 0.8 * away, 1 - away};
-  }
-  const auto ramp = [&](double from, double to) {
-    return std::clamp((share - from) / (to - from), 0.0, 1.0);
-  };
-  return {ramp(0, 0.45), ramp(0.3, 0.8), ramp(0.7, 1)};
-}
-
 cairo_status_t append(void* text, const unsigned char* data, unsigned int length) {
   static_cast<std::string*>(text)->append(reinterpret_cast<const char*>(data), length);
   return CAIRO_STATUS_SUCCESS;
@@ -79,16 +68,14 @@ std::string png_of(const HeatMap& map) {
   unsigned char* const bytes = cairo_image_surface_get_data(surface.get());
   if (!bytes) throw Error("a picture of the report cannot be made");
   const int stride = cairo_image_surface_get_stride(surface.get());
+  const ColourMap colours = map.signed_values ? ColourMap::diverging : ColourMap::inferno;
   for (int row = 0; row < map.height; ++row)
     for (int column = 0; column < map.width; ++column) {
       const double value = map.values[static_cast<std::size_t>(row * map.width + column)];
       const double share = map.high > map.low ? (value - map.low) / (map.high - map.low) : 0;
-      const auto colour =
-          std::isfinite(share) ? colour_of(share, map.signed_values) : std::array{0.6, 0.6, 0.6};
-      std::uint32_t pixel = 0;
-      for (const double part : colour)
-        pixel = pixel << 8 | static_cast<std::uint32_t>(std::lround(255 * part));
-      *reinterpret_cast<std::uint32_t*>(bytes + row * stride + 4 * column) = pixel;
+      const Rgb rgb = std::isfinite(share) ? colour(colours, share) : kNotKnown;
+      *reinterpret_cast<std::uint32_t*>(bytes + row * stride + 4 * column) =
+          std::uint32_t{rgb.red} << 16 | std::uint32_t{rgb.green} << 8 | rgb.blue;
     }
   cairo_surface_mark_dirty(surface.get());
   std::string png;
@@ -138,29 +125,31 @@ std::string axis_svg(const SliceAxis& axis, bool upright, double width, double h
                                 kBeside + width / 2, height + 32, escaped(axis.label)));
 }
 
-/// The map with its axes. A tall one is narrow.
-std::string map_svg(const HeatMap& map) {
+/// The map with its axes, and its scale. A tall one is narrow.
+std::string figure_of(const HeatMap& map) {
   const bool bare = map.across.label.empty();
   const double beside = bare ? 0 : kBeside, ratio = map.aspect * map.height / map.width;
   const double height = std::clamp((kPanelWidth - beside) * ratio, 20.0, kHighest);
   const double width = std::min(kPanelWidth - beside, height / ratio);
+  const double panel = std::max(kLeastPanel, beside + width);
   return fmt::format(
-      "<svg class=\"map\" width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">"
+      "<figure style=\"width:{0:.0f}px\"><figcaption>{2}</figcaption><svg class=\"map\" "
+      "width=\"{0:.0f}\" height=\"{1:.0f}\" role=\"img\" aria-label=\"{2}\">"
       "<image x=\"{3:.0f}\" width=\"{4:.1f}\" height=\"{5:.1f}\" preserveAspectRatio=\"none\" "
-      "xlink:href=\"data:image/png;base64,{6}\"/>{7}{8}</svg>",
-      kPanelWidth, height + (bare ? 0 : kBelow), escaped(map.title), beside, width, height,
+      "xlink:href=\"data:image/png;base64,{6}\"/>{7}{8}</svg>{9}</figure>\n",
+      panel, height + (bare ? 0 : kBelow), escaped(map.title), beside, width, height,
       base64(png_of(map)), axis_svg(map.across, false, width, height),
-      axis_svg(map.up, true, width, height));
+      axis_svg(map.up, true, width, height), colour_bar(map));
 }
 
 constexpr std::string_view kStyle =
     "body{font:15px/1.5 sans-serif;max-width:62rem;margin:2rem auto;padding:0 1rem;color:#222}"
     "table{border-collapse:collapse}td{padding:.15rem 1rem .15rem 0;vertical-align:top}"
     "td:first-child{color:#666}.maps{display:flex;flex-wrap:wrap;gap:1.2rem}"
-    "figure{margin:0;width:300px}figcaption{font-weight:600}"
+    "figure{margin:0}figcaption{font-weight:600}"
     ".map{display:block;font-size:12px;fill:#444;overflow:visible}.map path{stroke:#444}"
     ".map image{image-rendering:pixelated;outline:1px solid #ccc}"
-    ".bar{width:300px;height:10px;display:block;margin-top:4px}"
+    ".bar{width:100%;height:10px;display:block;margin-top:4px}"
     ".scale{display:flex;justify-content:space-between;font-size:13px;color:#666}"
     ".plot{width:100%}";
 
@@ -189,9 +178,7 @@ void HtmlPage::plots(const std::vector<Plot>& plots, int columns) {
 
 void HtmlPage::heat_maps(const std::vector<HeatMap>& maps) {
   body_ += "<div class=\"maps\">\n";
-  for (const HeatMap& map : maps)
-    body_ += "<figure><figcaption>" + escaped(map.title) + "</figcaption>" + map_svg(map) +
-             colour_bar(map) + "</figure>\n";
+  for (const HeatMap& map : maps) body_ += figure_of(map);
   body_ += "</div>\n";
 }
 

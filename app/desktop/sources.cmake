@@ -1,7 +1,6 @@
 # The desktop application's files: read by the program's own CMakeLists.txt and by tests/desktop_qt6.
 set(desktop_model_sources
   model/jobs/coarse_picture.cpp
-  model/colour_map.cpp
   model/jobs/design_job.cpp
   model/document.cpp
   model/example_flames.cpp

@@ -61,12 +61,17 @@ words = Show(Text(Text="distances shortened: the sensor is 449 mm behind the len
 words.WindowLocation, words.FontSize = "Lower Left Corner", 20
 bar = GetScalarBar(colours, view)
 bar.Title, bar.ComponentTitle = "temperature [K]", ""
-bar.Visibility, bar.Orientation, bar.WindowLocation, bar.ScalarBarLength = 1, "Vertical", "Lower Right Corner", 0.4
+bar.Visibility, bar.Orientation, bar.ScalarBarLength = 1, "Vertical", 0.4
+bar.WindowLocation, bar.Position = "Any Location", (0.92, 0.08)
 bar.RangeLabelFormat, bar.AddRangeLabels, bar.LabelFontSize, bar.TitleFontSize = "%.0f", 0, 20, 20
+typeface = pathlib.Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")  # of the other pictures
+if typeface.exists():
+    words.FontFamily = bar.LabelFontFamily = bar.TitleFontFamily = "File"
+    words.FontFile = bar.LabelFontFile = bar.TitleFontFile = str(typeface)
 view.Background = (0.05, 0.05, 0.06)
 view.UseColorPaletteForBackground = 0
 view.OrientationAxesVisibility = 0
 Render(view)  # the first picture chooses a camera
 view.CameraPosition, view.CameraFocalPoint, view.CameraViewUp = (0.32, -1, 0.30), (0.008, 0, -0.006), (0, 0, 1)
-view.CameraParallelProjection, view.CameraParallelScale = 1, 0.081
+view.CameraParallelProjection, view.CameraParallelScale = 1, 0.0875
 Render(view)

@@ -15,6 +15,8 @@ namespace {
 
 /// A value whose deviation is above this share of it is poorly known.
 constexpr double kHardlyKnown = 0.5;
+/// Up to this multiple of the noise, chance explains the difference from the pictures.
+constexpr double kChance = 1.05;
 /// Shares of light that an uncoated window may take.
 constexpr std::pair<double, double> kGlass{0.05, 0.15};
 
@@ -104,7 +106,12 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
                         readable(*means.temperature, Dimension::temperature));
   if (means.absorption)
     text += fmt::format(", its absorption to {}", readable_percent(*means.absorption));
-  text += '.';
+  const double noise = result.figures.noise_factor;
+  text += noise > kChance ? fmt::format(
+                                ". The pictures differ from the result by {:.3g} times their "
+                                "noise; the deviations contain that.",
+                                noise)
+                          : ". The result explains the pictures within their noise.";
   if (cameras.size() == 1 && kind == "voxels")
     text = "One camera cannot tell the depth. " + text +
            " Rings need one camera where the flame is round; voxels need several.";

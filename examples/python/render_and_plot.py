@@ -21,7 +21,7 @@ light_field = scene.render(samples=16)
 view = light_field.views(5)[2, 2]
 picture = light_field.refocus(1.0)
 
-figure, axes = plt.subplots(1, 3, figsize=(12, 4.2), layout="constrained")
+figure, axes = plt.subplots(1, 3, figsize=(12, 3.4), layout="compressed")
 panels = [(light_field.flux * 1e9, "raw image", "flux per pixel (nW)"),
           (view, "view from the middle of the lens", "radiance (W/(m$^2$ sr))"),
           (picture.image, "refocused at 1 m", "radiance (W/(m$^2$ sr))")]
@@ -30,6 +30,6 @@ for axis, (image, title, label) in zip(axes, panels):
     axis.set_title(title)
     axis.set_xlabel("column")
     axis.set_ylabel("row")
-    figure.colorbar(shown, ax=axis, label=label, shrink=0.8)
+    figure.colorbar(shown, ax=axis, label=label)
 figure.savefig(folder / "render.png", dpi=110)
 print(folder / "render.png")

@@ -172,6 +172,9 @@ class Reconstruct(CommandTest):
         self.assertEqual(ends[0::4], ends[2::4])
         self.assertEqual(ends[1::4], ends[3::4])
         self.assertLess(max(ends[1::4]), 0.5 * min(ends[0::4]))
+        # Temperatures of dark places are not shown, so that the scale is that of the flame.
+        begins = [float(begin) for begin in re.findall(r"<span>([^<]*)</span><span>K</span>", page)]
+        self.assertGreater(begins[0], 1000)
         self.assertEqual(page.count("data:image/svg+xml;base64,"), 2)
         self.assertNotIn("http", page.replace("http://www.w3.org", ""))
         self.assertIn("chi^2 per row:", self.read("rule.txt").decode())

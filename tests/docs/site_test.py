@@ -51,11 +51,20 @@ class Site(unittest.TestCase):
         self.assertEqual(self.page("[x](../../examples/x.toml)\n"), "[x](../files/examples/x.toml)\n")
         self.assertEqual((self.out / "source/files/examples/x.toml").read_text(), "x")
         self.assertEqual(self.page("![p\nq](../images/p.png)\n"), "[![p\nq](../images/p.png)](../images/p.png)\n")
-        self.assertEqual((self.out / "source/index.md").read_text(), "# P\n[a](user/a.md#b)\n")
+        self.assertEqual((self.out / "source/overview.md").read_text(), "# P\n[a](user/a.md#b)\n")
 
     def test_navigation(self):
         self.write("docs/README.md", "# All\n## Ways\n1. [First](user/a.md): a\n## One\n- [A](user/a.md): a\n")
-        self.assertEqual(site_source.sections(self.root), [("One", [("A", "user/a.md")])])
+        self.assertEqual(site_source.listed(self.root, 2, numbered=False), [("One", [("A", "user/a.md")])])
+
+    def test_ways(self):
+        self.write("docs/b.md", "# B\n")
+        self.write("docs/README.md", "# All\n## Ways\n### X\n1. [Aa](user/a.md): a\n2. [Bb](b.md): b\n\n### Y\n1. [Bb](b.md): b\n"
+                   "## One\n- [A](user/a.md)\n- [B](b.md)\n")
+        self.assertEqual(self.page("# A\n"),
+                         "# A\n\n**X**, 1 of 2. Previous: [All ways](../index.md). Next: [Bb](../b.md).\n{: .way }\n")
+        self.assertEqual((self.out / "source/b.md").read_text().count("{: .way }"), 2)
+        self.assertNotIn(".way", (self.out / "source/index.md").read_text())
 
     def test_formulas(self):
         page = "The flux $P_1 * r$ is\n\n$$ P=\\sum_i w_i * r_i $$\n"

@@ -87,7 +87,7 @@ def bounds_text(printed, seconds):
 def plot(orders, path):
     import matplotlib
     matplotlib.use("Agg")
-    from matplotlib import pyplot
+    from matplotlib import pyplot, ticker
     figure, axes = pyplot.subplots(figsize=(7.2, 4.8), layout="constrained")
     thicknesses = sorted({row[0] for row in orders})
     for thickness, colour in zip(thicknesses, ("#0072b2", "#d55e00", "#009e73")):
@@ -100,13 +100,16 @@ def plot(orders, path):
     ends = [1e3 * min(row[1] for row in orders), 1e3 * max(row[1] for row in orders)]
     for order, start in ((4, 1e-11), (2, 4e-4)):
         axes.loglog(ends, [start, start * (ends[1] / ends[0]) ** order], color="0.6", lw=1)
-        axes.annotate(f"slope {order}", (ends[0], start), xytext=(6, 10), textcoords="offset points",
-                      color="0.4")
+        axes.annotate(f"slope {order}", (1, start / ends[0] ** order), xytext=(0, 8 if order == 2 else -8), textcoords="offset points",
+                      color="0.4", ha="right" if order == 2 else "left", va="bottom" if order == 2 else "top")
+    axes.xaxis.set_major_locator(ticker.FixedLocator([0.25, 0.5, 1, 2, 4]))
+    axes.xaxis.set_major_formatter(ticker.FormatStrFormatter("%g"))
+    axes.xaxis.set_minor_locator(ticker.NullLocator())
     axes.set_xlabel("spacing of the samples [mm]")
     axes.set_ylabel("relative error of the radiance, RMS")
     axes.grid(True, which="major", color="0.9")
     axes.legend(fontsize="small", loc="center left", bbox_to_anchor=(1, 0.5), frameon=False)
-    figure.savefig(path, dpi=110)
+    figure.savefig(path, dpi=150)
 
 
 def collect(executable, orders):

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "model/colour_map.h"
+#include "colour_map.h"
 
 namespace plenoflame::desktop {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "model/colour_map.h"
+#include "colour_map.h"
 #include "plenoflame/base/execution.h"
 #include "plenoflame/image/image.h"
 

@@ -1,4 +1,4 @@
-"""What a light-field (plenoptic) camera sees of a flame.
+"""Renders what a light-field (plenoptic) camera sees of a flame, and reconstructs the flame from such pictures.
 
     import plenoflame
     scene = plenoflame.Scene("examples/lenslets-30.toml")
@@ -10,18 +10,18 @@
     scene.rays(pixels=[(150, 150)]).points
     scene.design()["focal_length_m"]
 
-Results are at home in numpy, xarray and notebooks: numpy.asarray(views), light_field.to_xarray(), pickle.dumps(found), a
-picture and the main numbers where a notebook shows them, a bar with progress=True.
+Results convert to numpy and xarray: numpy.asarray(views), light_field.to_xarray(). They can be pickled. A notebook shows a
+result with a picture and its main numbers, and a progress bar with progress=True.
 
-Every function raises plenoflame.Error with the message that the command `plenoflame` would print, and TypeError for a wrong
-keyword, with the nearest right one.
+Every function raises plenoflame.Error with the message that the command `plenoflame` would print. A wrong keyword raises
+TypeError, which names the nearest right keyword.
 
-The package works without VTK. Where VTK is there, to_vtk() gives scenes, light fields, flames and rays as its objects, and
-from_vtk() takes them back; plenoflame.vtk has the classes of VTK pipelines, and is loaded when it is asked for. picture(),
-import_flame() and Scene.camera() need it, and raise Error without it.
+The package works without VTK. With VTK, to_vtk() makes its objects of scenes, light fields, flames and rays, and from_vtk()
+reads them. The module plenoflame.vtk has the classes of VTK pipelines; import it separately. picture(), import_flame() and
+Scene.camera() need VTK, and raise Error without it.
 
-Units are SI. Numbers of a scene know their unit (Quantity); they are set from text with a unit, as in its file. While
-something is computed, other threads of Python go on.
+Units are SI. A number of a scene has its unit (Quantity); set it by text with a unit, as in the scene file. Other threads of
+Python continue during a computation.
 """
 
 from ._arguments import guarded as _guarded

@@ -27,7 +27,7 @@ class Flame(_home.AtHome):
     """
 
     def __init__(self, voxels):
-        """The library's voxels; from_vtk(), flame_from_arrays() and others make it."""
+        """Takes voxels of the library. from_vtk(), flame_from_arrays() and other functions make a flame."""
         if not isinstance(voxels, _core.Voxels):
             raise Error(f"voxels takes those of the library, not {type(voxels).__name__}; flame_from_arrays() takes arrays, "
                         "and Flame.from_vtk() a vtkImageData")

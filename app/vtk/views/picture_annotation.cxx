@@ -17,6 +17,8 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <filesystem>
+#include <system_error>
 
 namespace plenoflame::views {
 namespace {
@@ -26,7 +28,7 @@ constexpr int kLabelGap = 4;   ///< [pixel] between a scale and its labels
 constexpr int kTitleGap = 10;  ///< more than that: from its labels to its title
 
 void set_text_style(vtkTextProperty& style, int font_size) {
-  style.SetFontFamilyToArial();
+  set_typeface(style);
   style.SetFontSize(font_size);
   style.SetColor(kInk, kInk, kInk);
 }
@@ -66,6 +68,14 @@ vtkTextProperty& add_world_text(const std::string& text, Vec3 place, int font_si
 }
 
 }  // namespace
+
+void set_typeface(vtkTextProperty& style) {
+  static constexpr const char* kFile = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf";
+  std::error_code ignored;
+  if (!std::filesystem::exists(kFile, ignored)) return style.SetFontFamilyToArial();
+  style.SetFontFamily(VTK_FONT_FILE);
+  style.SetFontFile(kFile);
+}
 
 std::string length_label(double metres) {
   struct Unit {

@@ -7,12 +7,16 @@
 
 class vtkColorTransferFunction;
 class vtkRenderer;
+class vtkTextProperty;
 
 namespace plenoflame::views {
 
 /// Behind everything, RGB: dark, as in the desktop application, so that what shines is the
 /// brightest there is.
 inline constexpr std::array<double, 3> kBackground{0.05, 0.055, 0.065};
+
+/// DejaVu Sans, the typeface of all plots; VTK's own where it is not installed.
+void set_typeface(vtkTextProperty& style);
 
 /// "100 mm".
 std::string length_label(double metres);

@@ -75,46 +75,61 @@ struct Field {
   const std::vector<double>& found;
   const std::vector<double>& deviation;  ///< empty: not known
   const std::vector<double>* truth = nullptr;
-  double low = 0;  ///< end of the colours
+  bool of_light =
+      false;  ///< known only where the emission is: its colours begin at the least value
 };
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-/// Values whose deviation is a half of them or more are not shown.
-std::vector<double> known_values(const Field& field) {
+/// Takes values away where the deviation of `found` is a half of it or more.
+void hide_unknown(std::vector<double>& values, const std::vector<double>& found,
+                  const std::vector<double>& deviation) {
   constexpr double kHardlyKnown = 0.5;
-  std::vector<double> values = field.found;
-  for (std::size_t j = 0; j < field.deviation.size(); ++j)
-    if (field.deviation[j] > kHardlyKnown * values[j]) values[j] = kNaN;
-  return values;
+  for (std::size_t j = 0; j < deviation.size(); ++j)
+    if (deviation[j] > kHardlyKnown * found[j]) values[j] = kNaN;
+}
+
+std::array<double, 2> range_of(const std::vector<double>& values) {
+  std::array<double, 2> range{1e300, -1e300};
+  for (const double value : values)
+    if (std::isfinite(value)) range = {std::min(range[0], value), std::max(range[1], value)};
+  return range;
 }
 
 /// The value, its deviation and its error beside the truth, the last two on one scale.
 void add_field(HtmlPage& html, const ReconstructPage& page, const Field& field) {
   if (field.found.empty()) return;
-  const std::vector<double>* const truth =
-      field.truth && !field.truth->empty() ? field.truth : nullptr;
-  const double high = *std::ranges::max_element(truth ? *truth : field.found);
-  if (!(high > field.low)) return;
-  const std::vector<double> known = known_values(field);
-  const std::vector<double> errors = truth ? errors_of(known, *truth) : std::vector<double>{};
   const std::vector<double>& emission = page.result.estimate.emission;
+  std::vector<double> known = field.found, deviation = field.deviation,
+                      truth = field.truth ? *field.truth : std::vector<double>{};
+  hide_unknown(known, field.found, field.deviation);
+  if (field.of_light)
+    for (std::vector<double>* values : {&known, &deviation, &truth}) {
+      if (values->empty()) continue;
+      hide_unknown(*values, emission, page.result.estimate.emission_deviation);
+      for (std::size_t j = 0; j < emission.size(); ++j)
+        if (!(emission[j] > 0)) (*values)[j] = kNaN;
+    }
+  const auto [low_shown, high] = range_of(truth.empty() ? known : truth);
+  const double low = field.of_light ? std::min(low_shown, range_of(known)[0]) : 0;
+  if (!(high > low)) return;
+  const std::vector<double> errors = truth.empty() ? truth : errors_of(known, truth);
   const double reach =
-      std::max(size_where_lit(field.deviation, emission), size_where_lit(errors, emission));
+      std::max(size_where_lit(deviation, emission), size_where_lit(errors, emission));
   for (const Slice& slice : slices(page.unknowns, emission)) {
-    const auto map = [&](const std::string& title, const std::vector<double>& values, double low,
+    const auto map = [&](const std::string& title, const std::vector<double>& values, double bottom,
                          double top) {
       HeatMap made = map_of(page.unknowns, values, slice);
       made.title = title;
       made.unit = field.unit;
-      made.low = low;
+      made.low = bottom;
       made.high = top;
       return made;
     };
-    std::vector<HeatMap> maps{map(field.name + ", " + slice.name, known, field.low, high)};
-    if (!field.deviation.empty()) maps.push_back(map("deviation", field.deviation, 0, reach));
-    if (truth) {
-      maps.push_back(map("truth", *truth, field.low, high));
+    std::vector<HeatMap> maps{map(field.name + ", " + slice.name, known, low, high)};
+    if (!deviation.empty()) maps.push_back(map("deviation", deviation, 0, reach));
+    if (!truth.empty()) {
+      maps.push_back(map("truth", truth, low, high));
       maps.push_back(map("error", errors, -reach, reach));
       maps.back().signed_values = true;
     }
@@ -232,7 +247,7 @@ std::string reconstruct_page(const ReconstructPage& page) {
     const std::vector<double> none;
     add_field(html, page,
               {"temperature", "K", estimate.temperature, estimate.temperature_deviation,
-               truth ? &truth->temperature : nullptr, 300});
+               truth ? &truth->temperature : nullptr, true});
     add_field(html, page,
               {"emission", "W/(m^3 sr)", estimate.emission, estimate.emission_deviation,
                truth ? &truth->emission : nullptr});

@@ -64,7 +64,7 @@ class ImagePanel : public QWidget {
  signals:
   /// The flux, ready to be shown elsewhere, too.
   void pyramid_changed();
-  void map_changed(plenoflame::desktop::ColourMap map);
+  void map_changed(plenoflame::ColourMap map);
 
  private:
   void request();

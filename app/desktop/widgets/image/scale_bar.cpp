@@ -45,7 +45,8 @@ ScaleBar::ScaleBar(vtkRenderer& renderer)
   line_->SetMapper(mapper);
   line_->GetProperty()->SetColor(kScaleInk, kScaleInk, kScaleInk);
   line_->GetProperty()->SetLineWidth(2);
-  text_->GetTextProperty()->SetFontSize(13);
+  views::set_typeface(*text_->GetTextProperty());
+  text_->GetTextProperty()->SetFontSize(12);
   text_->GetTextProperty()->SetColor(kScaleInk, kScaleInk, kScaleInk);
   text_->GetTextProperty()->SetJustificationToCentered();
   set_text_ground(*text_->GetTextProperty());

@@ -64,7 +64,7 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   warnings_->hide();
   resolution_->setObjectName("resolutionPlot");
   resolution_->setMinimumHeight(150);
-  resolution_->set_axes(tr("object distance [m]"), tr("pixels kept"), false, false);
+  resolution_->set_axes(tr("object distance [m]"), tr("effective resolution"), false, false);
   resolution_->set_empty_text(
       tr("Effective resolution appears for cameras with a microlens array."));
   resolution_->setToolTip(

@@ -82,7 +82,7 @@ void SceneLabels::add(const std::string& text, std::vector<Vec3> beside, int fon
   }
   auto actor = vtkSmartPointer<vtkTextActor>::New();
   actor->SetInput(text.c_str());
-  actor->GetTextProperty()->SetFontFamilyToArial();
+  views::set_typeface(*actor->GetTextProperty());
   actor->GetTextProperty()->SetFontSize(font_size);
   actor->GetTextProperty()->SetColor(0.85, 0.87, 0.9);
   set_text_ground(*actor->GetTextProperty());

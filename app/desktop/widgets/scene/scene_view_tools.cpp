@@ -136,6 +136,7 @@ void set_bar_style(vtkScalarBarActor& bar) {
                                         views::kBackground[2]);
   bar.GetBackgroundProperty()->SetOpacity(kTextGround);
   for (auto* style : {bar.GetTitleTextProperty(), bar.GetLabelTextProperty()}) {
+    views::set_typeface(*style);
     style->SetColor(kInkOfBar, kInkOfBar, kInkOfBar);
     style->SetFontSize(13);
   }

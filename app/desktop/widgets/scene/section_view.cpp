@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "model/colour_map.h"
+#include "colour_map.h"
 #include "model/flame_glow.h"
 #include "plenoflame/base/units.h"
 #include "plenoflame/optics/surface_shape.h"

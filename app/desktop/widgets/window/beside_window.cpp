@@ -22,8 +22,9 @@
 #include <algorithm>
 #include <array>
 
+#include "colour_map.h"
 #include "flame_volume.h"
-#include "model/colour_map.h"
+#include "picture_annotation.h"
 #include "picture_camera.h"
 
 namespace plenoflame::desktop {
@@ -141,6 +142,7 @@ void BesideWindow::draw() {
     title->SetInput(side == 0        ? "found"
                     : values.empty() ? "in the scene: not known"
                                      : "in the scene");
+    views::set_typeface(*title->GetTextProperty());
     title->GetTextProperty()->SetFontSize(18);
     title->GetTextProperty()->SetColor(0.92, 0.92, 0.92);
     title->GetTextProperty()->SetVerticalJustificationToTop();
@@ -155,6 +157,7 @@ void BesideWindow::draw() {
   bar->SetLabelFormat("%.4g");
   bar->SetUnconstrainedFontSize(true);
   for (auto* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
+    views::set_typeface(*style);
     style->SetFontSize(14);
     style->SetColor(0.92, 0.92, 0.92);
     style->BoldOff();

@@ -67,25 +67,23 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   example("paper-flame-1m", tr("The paper's flame"),
           tr("A layered flame 1 m before a multi-focus plenoptic camera of 3000 x 3000 pixels"));
   example("paper-flame-0.3m", tr("The paper's flame, near"),
-          tr("The same at 0.3 m: it fills the picture"));
-  example(
-      "paper-previous-60x60", tr("An unfocused camera"),
-      tr("60 x 60 square microlenses of 10 x 10 pixels: views and refocusing at their plainest"));
-  example("lenslets-30", tr("A small camera"), tr("30 microlenses across, rendered in a blink"));
+          tr("This flame at 0.3 m fills the picture"));
+  example("paper-previous-60x60", tr("An unfocused camera"),
+          tr("60 x 60 square microlenses of 10 x 10 pixels: the simplest one for views"));
+  example("lenslets-30", tr("A small camera"),
+          tr("30 microlenses across, rendered within a second"));
   example("square-lenses", tr("Square microlenses"), tr("The small camera without gaps"));
   example("three-cameras", tr("Three cameras"),
-          tr("Two plenoptic ones at right angles, and an ordinary one between them"));
+          tr("Two plenoptic cameras at right angles, a conventional one between"));
   example("ring-of-six", tr("Six cameras"), tr("Around a flame, for tomography"));
   example("three-filters", tr("Three colours in one picture"),
           tr("A filter before each third of the main lens, for pyrometry"));
-  example("candle", tr("A candle"),
-          tr("A flame of voxels through three types of microlenses that can be told apart"));
+  example("candle", tr("A candle"), tr("A flame of voxels before microlenses of three types"));
   example("candle-colours", tr("A candle in colour"),
           tr("Two narrow bands for its temperature, three for its picture"));
   example("candle-blue", tr("The blue base of a candle"),
-          tr("Soot that glows, radicals that shine by their chemistry"));
-  example("flickering", tr("A candle that flickers"),
-          tr("Three moments of it, with the time to be played"));
+          tr("Glowing soot, and the light of radicals"));
+  example("flickering", tr("A candle that flickers"), tr("A series of three frames"));
   example("quartz-tube", tr("A candle in a tube of quartz"), tr("Behind a window as well"));
   example("burner", tr("A candle on a burner"), tr("Its light on a metal tube and a wall"));
   example("tutorial", tr("The tutorial's candle"),
@@ -106,7 +104,7 @@ WelcomePage::WelcomePage(QWidget* parent) : QWidget(parent), recent_(new QListWi
   example("paper-objects-5m-no-array", tr("The same, ordinary"),
           tr("Through the camera without its array"));
   example("paper-objects-r29", tr("Objects before an R29"),
-          tr("28.8 million pixels: it takes its time"));
+          tr("28.8 million pixels: rendering takes minutes"));
   grid->setRowStretch(grid->rowCount(), 1);
   auto* scroll = new QScrollArea(this);
   scroll->setObjectName("welcomeExamples");

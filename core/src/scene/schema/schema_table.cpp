@@ -503,7 +503,7 @@ constexpr SchemaKey kRows[] = {
                                         "counts in proportion to its wavelength, as electrons do."),
     key<CHANNEL, &ChannelSpec::wavelengths>(
         "channels[].wavelengths",
-        "Wavelengths that sample the channel if a glass disperses, at least.", kPure,
+        "Least number of wavelengths that sample the channel if a glass disperses.", kPure,
         {1, 16, false, false}),
 
     key<RENDER, &RenderSpec::estimator>("render.estimator",

@@ -8,8 +8,8 @@ constexpr SchemaTable kTableRows[] = {
     {"camera", "Position and direction of the camera.", true, PresetKind::camera},
     {"camera.lens",
      "The main lens: surfaces, or a thin ideal lens. A `file` is TOML with this table, sequential "
-     "Zemax (`.zmx`), or four columns in mm as pbrt has them (`.dat`, `.txt`). Written scenes have "
-     "the diameter.",
+     "Zemax (`.zmx`), or four columns in mm as pbrt has them (`.dat`, `.txt`). Scenes that "
+     "the program writes hold `diameter` in place of `f_number`.",
      true, PresetKind::lens},
     {"camera.lens.distortion",
      "Distortion of the main lens: an invertible map of the rays in front of it.",

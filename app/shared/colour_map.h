@@ -1,6 +1,6 @@
 #pragma once
 
-namespace plenoflame::desktop {
+namespace plenoflame {
 
 /// Colours for values. All but grey and diverging rise evenly in lightness, so that they mean the
 /// same to colour-blind people and in print.
@@ -16,4 +16,4 @@ Rgb colour(ColourMap map, double t);
 /// before a dark background.
 Rgb flame_colour(ColourMap map, double t);
 
-}  // namespace plenoflame::desktop
+}  // namespace plenoflame

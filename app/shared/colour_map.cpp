@@ -1,10 +1,10 @@
-#include "model/colour_map.h"
+#include "colour_map.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-namespace plenoflame::desktop {
+namespace plenoflame {
 namespace {
 
 constexpr std::size_t kStops = 17;
@@ -103,4 +103,4 @@ Rgb flame_colour(ColourMap map, double t) {
   return colour(map, map == ColourMap::inferno ? 0.4 + 0.6 * t : t);
 }
 
-}  // namespace plenoflame::desktop
+}  // namespace plenoflame
