@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "plenoflame/base/error.h"
+#include "plenoflame/math/readable.h"
 #include "plot.h"
-#include "readable.h"
 
 namespace plenoflame::cli {
 namespace {
