@@ -29,7 +29,7 @@ LIMITS = {
     "docs/validation.md": (0, 0, 0, 0, 0, 0),
     "core (comments)": (0, 0, 0, 0, 0, 66),
     "volumes (comments)": (0, 0, 0, 0, 0, 6),
-    "app (comments)": (0, 0, 0, 0, 0, 78),
+    "app (comments)": (0, 0, 0, 0, 0, 73),
 }
 # Most words of a page, by the beginning of its path: the first row that fits decides. None: a page of tables.
 LENGTHS = (("docs/reconstruct.md", 1500), ("docs/theory/", 1500), ("docs/validation.md", None), ("docs/", 900))

@@ -11,8 +11,8 @@
 
 #include "colour_map.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/math/readable.h"
 #include "plot.h"
-#include "readable.h"
 
 namespace plenoflame::cli {
 namespace {

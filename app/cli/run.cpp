@@ -180,9 +180,9 @@ int run_alone(int argc, const char* const* argv, std::optional<InterruptHandler>
     std::cerr << "plenoflame: stopped; nothing was written\n";
     return kFailure;
   } catch (const UsageError& error) {
-    return fail(kBadUse, SettingNames().message(error));
+    return fail(kBadUse, kOptionNames.message(error));
   } catch (const Error& error) {
-    return fail(kFailure, SettingNames().message(error));
+    return fail(kFailure, kOptionNames.message(error));
   } catch (const std::bad_alloc&) {
     return fail(kFailure, "not enough memory");
   } catch (const std::system_error& error) {

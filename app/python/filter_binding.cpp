@@ -91,7 +91,9 @@ class ExportFilter : public Filter {
 
 class ComparisonFilter : public Filter {
  public:
-  void run(const Execution&) override { figures = comparison_json(*input, *reference, channel); }
+  void run(const Execution& execution) override {
+    figures = comparison_json(*input, *reference, channel, execution);
+  }
   Field reference;
   std::string figures;
 };

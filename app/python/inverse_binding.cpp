@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "arrays.h"
-#include "operator_problem.h"
 #include "plenoflame/base/error.h"
-#include "reconstruction_task.h"
+#include "plenoflame/volumes/reconstructor.h"
+#include "reconstruct_settings.h"
 #include "runnable.h"
 #include "scene_handle.h"
 #include "setting_tuples.h"
@@ -154,14 +154,52 @@ void bind_operator(py::module_& module) {
 /// Reconstructs a flame from pictures.
 class ReconstructionRun : public Runnable {
  public:
-  void run(const Execution& execution) override { task.run(execution); }
-  ReconstructionTask task{kNames};
+  void run(const Execution& execution) override {
+    result.reset();
+    request.start_values = start;
+    request.prior_values = prior;
+    static_cast<void>(reconstruction_settings(request, 1));  // before any work
+    std::vector<CameraPicture> pictures;
+    for (const auto& [scene, picture, what] : cameras)
+      pictures.push_back({scene->compile(execution, {IssueCode::no_flame}), *picture,
+                          camera_text(scene->camera()), what});
+    result = reconstruct_flame(request, std::move(pictures), execution);
+  }
+
+  /// @param use "start" or "prior"
+  void set_earlier(const std::string& use, const std::string& field, const Numbers& values) {
+    std::shared_ptr<EarlierResult>& earlier = use == "start" ? start : prior;
+    if (!earlier) earlier = std::make_shared<EarlierResult>();
+    std::vector<double>& to = field == "emission"      ? earlier->emission
+                              : field == "temperature" ? earlier->temperature
+                                                       : earlier->absorption;
+    to.assign(values.data(), values.data() + values.size());
+  }
+
+  const FlameReconstruction& found() const {
+    if (!result) throw UsageError("there is no result yet");
+    return *result;
+  }
+
+  struct Camera {
+    Handle scene;
+    std::shared_ptr<LightField> picture;
+    std::string what;
+  };
+  ReconstructRequest request;
+  std::shared_ptr<EarlierResult> start, prior;
+  std::vector<Camera> cameras;
+  std::unique_ptr<const FlameReconstruction> result;
 };
 
 std::shared_ptr<Voxels> voxels_of_result(const ReconstructionRun& run) {
   const auto voxels = std::make_shared<Voxels>();
   IndexBox box;
-  const std::vector<VoxelField> fields = run.task.voxels(box);
+  std::vector<VoxelField> fields;
+  for (const ReconstructedField& field : reconstructed_fields(run.found().result)) {
+    fields.push_back(on_voxels(field, run.found().unknowns()));
+    box.add(stored_box(fields.back()));
+  }
   if (box.empty()) return voxels;
   voxels->place = voxel_place(fields.front().index_to_world, box);
   for (const VoxelField& field : fields) voxels->arrays.push_back(voxel_values(field, box));
@@ -179,54 +217,47 @@ void bind_reconstruction(py::module_& module) {
   py::class_<Run, Runnable>(module, "Reconstruction")
       .def(py::init<>())
       .def("set_option", [](Run& r, const std::string& name,
-                            const std::string& text) { r.task.set_option(name, text); })
+                            const std::string& text) { set_option(r.request, name, text); })
       .def("add_camera",
            [](Run& r, const Handle& scene, const std::shared_ptr<LightField>& picture,
               const std::string& what) {
-             r.task.add_camera(
-                 [scene](const Execution& execution) {
-                   return scene->compile(execution, {IssueCode::no_flame});
-                 },
-                 scene->camera(), *picture, what);
+             r.cameras.push_back({scene, picture, what});
            })
       .def(
           "set_built",
           [](Run& r, const OperatorRun& made) {
             if (!made.problem) throw UsageError("the operator was not made");
-            r.task.set_built({&made.problem->rays, made.matrix.get()});
+            r.request.built = {&made.problem->rays, made.matrix.get()};
           },
           py::arg("operator"), py::keep_alive<1, 2>())
-      .def("set_earlier",
-           [](Run& r, const std::string& use, const std::string& field, const Numbers& values) {
-             r.task.set_earlier(use, field,
-                                std::vector<double>(values.data(), values.data() + values.size()));
-           })
-      .def_property_readonly("has_result", [](const Run& r) { return r.task.has_result(); })
+      .def("set_earlier", &Run::set_earlier)
+      .def_property_readonly("has_result", [](const Run& r) { return r.result != nullptr; })
       .def_property_readonly(
-          "complete",
-          [](const Run& r) { return r.task.has_result() && r.task.result().figures.complete; })
-      .def_property_readonly("figures", [](const Run& r) { return r.task.report().json_text(); })
-      .def_property_readonly("report", [](const Run& r) { return r.task.report_text(); })
-      .def_property_readonly("shape", [](const Run& r) { return shape_of(r.task.unknowns()); })
+          "complete", [](const Run& r) { return r.result && r.result->result.figures.complete; })
+      .def_property_readonly("figures", [](const Run& r) { return r.found().report.json_text(); })
+      .def_property_readonly("report", [](const Run& r) { return r.found().report.text(); })
+      .def_property_readonly("shape", [](const Run& r) { return shape_of(r.found().unknowns()); })
       .def_property_readonly(
           "fields",
           [](const Run& r) {
             py::dict fields;
-            if (!r.task.has_result()) return fields;
-            for (const ReconstructedField& field : reconstructed_fields(r.task.result())) {
+            if (!r.result) return fields;
+            for (const ReconstructedField& field : reconstructed_fields(r.result->result)) {
               std::vector<double> values = *field.values;
               const auto count = static_cast<py::ssize_t>(values.size());
               fields[py::str(field.name)] = given(std::move(values), {count});
             }
             return fields;
           })
-      .def_property_readonly("places", [](const Run& r) { return places_of(r.task.unknowns()); })
+      .def_property_readonly("places", [](const Run& r) { return places_of(r.found().unknowns()); })
       .def_property_readonly(
-          "residuals", [](const Run& r) { return pictures_of(r.task.result().figures.residual); })
+          "residuals", [](const Run& r) { return pictures_of(r.found().result.figures.residual); })
       .def_property_readonly(
-          "explained", [](const Run& r) { return pictures_of(r.task.result().figures.explained); })
+          "explained", [](const Run& r) { return pictures_of(r.found().result.figures.explained); })
       .def_property_readonly("output", &voxels_of_result)
-      .def("write", [](const Run& r, const std::string& path) { r.task.write(path); });
+      .def("write", [](const Run& r, const std::string& path) {
+        write_estimate(path, r.found().result, r.found().unknowns());
+      });
 }
 
 template <class Request>

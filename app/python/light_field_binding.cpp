@@ -26,9 +26,11 @@ class LightFieldSource : public Runnable {
  public:
   void run(const Execution& execution) override {
     output = nullptr;
-    const auto compiled = scene->compile(execution);
+    const auto compiled = white ? white_scene(execution) : scene->compile(execution);
     RenderSettings settings = render_settings(compiled->scene, request);
     if (window.width != 0) settings.window = window;  // render() checks it
+    if (white && (truth || settings.estimator == Estimator::forward))
+      throw UsageError("white has no flames: neither truth nor the forward estimator goes with it");
     RenderResult result = render(*compiled, settings, execution);
     describe(*compiled, result.light_field);
     if (truth)  // also for a run that was stopped: it is kept
@@ -37,10 +39,21 @@ class LightFieldSource : public Runnable {
     output = std::make_shared<LightField>(std::move(result.light_field));
   }
 
+  /// The camera in light of 1 W/(m^2 sr) from everywhere.
+  std::shared_ptr<const CompiledScene> white_scene(const Execution& execution) const {
+    SceneDocument document;
+    document.scene = scene->scene_of_camera();
+    document.scene.flames.clear();
+    CompiledScene made =
+        plenoflame::compile(document, load_core_medium, execution, {}, {IssueCode::no_flame});
+    fill_with_light(made);
+    return std::make_shared<const CompiledScene>(std::move(made));
+  }
+
   std::shared_ptr<SceneHandle> scene;
   RenderRequest request;
   PixelWindow window;
-  bool truth = false;
+  bool truth = false, white = false;
   double relative_error = -1;
   Field output;
 };
@@ -133,6 +146,7 @@ void bind_source(py::module_& module) {
       .def_readwrite("scene", &Source::scene)
       .def_readwrite("window", &Source::window)
       .def_readwrite("truth", &Source::truth)
+      .def_readwrite("white", &Source::white)
       .def_readonly("relative_error", &Source::relative_error)
       .def_property_readonly("output", [](const Source& s) {
         if (!s.output) throw Cancelled();
@@ -145,6 +159,12 @@ void bind_source(py::module_& module) {
 void bind_light_field(py::module_& module) {
   py::class_<LightField, Field>(module, "LightField")
       .def_property_readonly("arrays", &arrays_of)
+      .def("add_error",
+           [](LightField& f) {
+             LightFieldChannel& first = f.channels.at(0);
+             if (first.standard_error.empty())
+               first.standard_error = Image(first.flux.width, first.flux.height);
+           })
       .def_property_readonly("channels", &channels_of)
       .def_property_readonly("layers", &layers_of)
       .def_readonly("scene_text", &LightField::scene_text)

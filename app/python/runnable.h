@@ -16,7 +16,7 @@ class Runnable {
 };
 
 /// How callers of the package write settings.
-inline constexpr SettingNames kNames = SettingNames::Style::argument;
+inline constexpr SettingNames kNames = {};
 
 /// Runs it. @param on_progress called with the fraction done, on the calling thread; a true result
 /// stops the run. It must not raise. @param on_warning called with each warning, at the end

@@ -8,7 +8,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/mended_by.h"
-#include "readable.h"
+#include "plenoflame/math/readable.h"
 
 namespace plenoflame {
 namespace {

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/report.h"
 #include "plenoflame/camera/camera_merit.h"
-#include "report.h"
 #include "settings.h"
 
 namespace plenoflame {
@@ -45,7 +45,7 @@ MicrolensFreedom freedom_named(const std::string& word);
 
 /// A request for a better camera, as its callers write it.
 struct OptimizeRequest {
-  SettingNames names = {};
+  SettingNames names = kOptionNames;
   std::string merit = "resolution", vary = "focal";
   double bound = 2;
   std::string array_range = {}, depths = {}, height = {};

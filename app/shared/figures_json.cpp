@@ -5,12 +5,13 @@
 #include <type_traits>
 #include <variant>
 
-#include "design_report.h"
+#include "plenoflame/base/execution.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/camera/design.h"
 #include "plenoflame/camera/resolution.h"
 #include "plenoflame/film/compare.h"
+#include "plenoflame/scene/design_report.h"
 #include "plenoflame/scene/scene_schema.h"
-#include "report.h"
 
 namespace plenoflame {
 
@@ -19,13 +20,8 @@ std::string design_json(const Scene& scene) {
   const Camera camera(scene.camera, &warnings);
   const CameraDesign figures = design(camera);
   warnings.insert(warnings.end(), figures.warnings.begin(), figures.warnings.end());
-  const auto curve = design_curve(camera, scene);
   Report report;
-  add_main_lens(figures, report);
-  add_types(camera, figures, report);
-  add_array(camera, figures, report);
-  add_resolution(curve, figures, report);
-  add_spots(figures, report);
+  add_design(camera, figures, design_curve(camera, scene), report);
   report.add_json("warnings", warnings);
   return report.json_text();
 }
@@ -53,8 +49,9 @@ std::string value_json(const Scene& scene, const std::string& path) {
 }
 
 std::string comparison_json(const LightField& field, const LightField& reference,
-                            const std::string& channel) {
+                            const std::string& channel, const Execution& execution) {
   const Comparison c = compare(field, reference, channel);
+  if (!c.caution.empty()) execution.warn(c.caution);
   nlohmann::ordered_json figures{
       {"window", {c.window.x, c.window.y, c.window.width, c.window.height}},
       {"lit_pixels", c.lit_pixels},

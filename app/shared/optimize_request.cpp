@@ -1,15 +1,16 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <tuple>
 #include <utility>
 
 #include "camera_optimizer.h"
-#include "design_report.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/design_report.h"
 
 namespace plenoflame {
 namespace {

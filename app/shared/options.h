@@ -8,8 +8,8 @@
 
 #include "plenoflame/base/units.h"
 #include "plenoflame/image/image.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/math/vector.h"
-#include "readable.h"
 
 namespace plenoflame {
 

@@ -12,7 +12,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
-#include "readable.h"
+#include "plenoflame/math/readable.h"
 
 namespace plenoflame {
 namespace {

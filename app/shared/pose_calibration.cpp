@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/camera.h"
-#include "readable.h"
+#include "plenoflame/math/readable.h"
 #include "white_calibration.h"
 
 namespace plenoflame {

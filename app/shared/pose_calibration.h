@@ -6,16 +6,16 @@
 
 #include "number_rows.h"
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/calibration/geometry_calibration.h"
 #include "plenoflame/scene/scene_file.h"
-#include "report.h"
 #include "settings.h"
 
 namespace plenoflame {
 
 /// A request for distances, focal length and decentre of a camera from corners of a board.
 struct GeometryRequest {
-  SettingNames names = {};
+  SettingNames names = kOptionNames;
   std::string corners = {}, centres = {}, radii = {};  ///< files
   /// In place of files: "corners", "centres", "radii".
   std::map<std::string, std::vector<NumberRow>> tables = {};
@@ -51,7 +51,7 @@ std::vector<NumberRow> read_poses(const std::string& path);
 
 /// A request for the places of cameras by boards that they have seen together.
 struct RigRequest {
-  SettingNames names = {};
+  SettingNames names = kOptionNames;
   std::vector<RigCamera> cameras = {};
   std::string size = {};
 };

@@ -6,17 +6,18 @@
 #include <cmath>
 #include <filesystem>
 #include <list>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/calibration/radiometry_fit.h"
 #include "plenoflame/camera/sensor_levels.h"
 #include "plenoflame/lightfield/geometry.h"
 #include "plenoflame/scene/spectral.h"
-#include "report.h"
 
 namespace plenoflame {
 namespace {

@@ -11,13 +11,23 @@
 namespace plenoflame {
 namespace {
 
+[[noreturn]] void refuse_channel(const std::string& where, const std::string& name,
+                                 const Scene& scene) {
+  std::string names;
+  for (const ChannelSpec& channel : scene.channels)
+    names += (names.empty() ? "" : ", ") + channel.name;
+  throw UsageError(where + ": the camera's file has no channel '" + name + "'; it has " + names);
+}
+
 /// The channel in front of a value, NAME=VALUE; the number of channels: there is none. A file of
-/// that name is a file.
+/// that name is a file. @throws UsageError for another name in front of a file
 std::size_t channel_in_front(const std::string& text, const Scene& scene) {
   const std::size_t sign = text.find('=');
-  if (sign != std::string::npos && !std::filesystem::exists(text))
-    for (std::size_t c = 0; c < scene.channels.size(); ++c)
-      if (scene.channels[c].name == text.substr(0, sign)) return c;
+  if (sign == std::string::npos || std::filesystem::exists(text)) return scene.channels.size();
+  const std::string name = text.substr(0, sign);
+  for (std::size_t c = 0; c < scene.channels.size(); ++c)
+    if (scene.channels[c].name == name) return c;
+  if (std::filesystem::exists(text.substr(sign + 1))) refuse_channel(text, name, scene);
   return scene.channels.size();
 }
 
@@ -75,13 +85,9 @@ std::vector<ChannelFiles> channel_files(const RawPicturesRequest& arguments, con
 
 std::size_t channel_number(const Scene& scene, const std::string& name,
                            const SettingNames& setting) {
-  std::string names;
-  for (std::size_t c = 0; c < scene.channels.size(); ++c) {
+  for (std::size_t c = 0; c < scene.channels.size(); ++c)
     if (scene.channels[c].name == name) return c;
-    names += (c == 0 ? "" : ", ") + scene.channels[c].name;
-  }
-  throw UsageError(setting("channel") + ": the camera's file has no channel '" + name +
-                   "'; it has " + names);
+  refuse_channel(setting("channel"), name, scene);
 }
 
 std::vector<std::string> names_of(const ChannelFiles& files, const CountFrames& frames,

@@ -15,7 +15,7 @@ namespace plenoflame {
 
 /// How a camera's files are read.
 struct RawFileOptions {
-  SettingNames names = {};
+  SettingNames names = kOptionNames;
   std::string size = {};
   std::optional<int> bits = {};
   std::string endian = "little";

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <span>
@@ -15,6 +16,7 @@
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/calibration/radiometry_table.h"
 #include "plenoflame/calibration/raw_import.h"
 #include "plenoflame/camera/sensor_levels.h"
@@ -24,7 +26,6 @@
 #include "plenoflame/render/describe.h"
 #include "plenoflame/scene/spectral.h"
 #include "raw_channels.h"
-#include "report.h"
 
 namespace plenoflame {
 namespace {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/scene_file.h"
 #include "raw_files.h"
-#include "report.h"
 #include "settings.h"
 
 namespace plenoflame {

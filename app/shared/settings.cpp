@@ -6,33 +6,8 @@
 #include <sstream>
 
 #include "options.h"
-#include "plenoflame/base/error.h"
-#include "plenoflame/base/mended_by.h"
 
 namespace plenoflame {
-
-std::string SettingNames::operator()(std::string_view setting) const {
-  std::string name(setting);
-  if (style_ == Style::option) return "--" + name;
-  std::ranges::replace(name, '-', style_ == Style::argument ? '_' : ' ');
-  return name;
-}
-
-std::string SettingNames::operator()(std::string_view setting, std::string_view value) const {
-  if (style_ != Style::argument) return fmt::format("{} {}", (*this)(setting), value);
-  const bool number = value.find_first_not_of("0123456789.e+-") == std::string_view::npos;
-  const char* const quote = number ? "" : "'";
-  return fmt::format("{}={}{}{}", (*this)(setting), quote, value, quote);
-}
-
-std::string SettingNames::message(const Error& error) const {
-  std::string text = error.what();
-  const auto* mended = dynamic_cast<const MendedBy*>(&error);
-  if (!mended) return text;
-  for (std::size_t i = 0; i < mended->names.size(); ++i)
-    text += (i == 0 ? " (" : ", ") + (*this)(mended->names[i]);
-  return text + ')';
-}
 
 std::string setting_text(double value) {
   return fmt::format("{}", value);
@@ -41,6 +16,9 @@ std::string setting_text(std::uint64_t value) {
   return fmt::format("{}", value);
 }
 std::string setting_text(const std::vector<int>& value) {
+  return fmt::format("{}", fmt::join(value, ","));
+}
+std::string setting_text(const std::vector<double>& value) {
   return fmt::format("{}", fmt::join(value, ","));
 }
 std::string setting_text(const Vec3& value) {
@@ -62,16 +40,40 @@ void SettingReader::to(int& value, const std::vector<std::string>& words, double
 
 void SettingReader::to(std::vector<int>& values, double least, double greatest) const {
   values.clear();
-  std::istringstream words(text_);
-  for (std::string word; std::getline(words, word, ',');)
+  for (const std::string& word : list())
     SettingReader(setting_, word).to(values.emplace_back(), {}, least, greatest);
+}
+
+void SettingReader::to(std::vector<double>& values, double least, double greatest) const {
+  values.clear();
+  for (const std::string& word : list())
+    values.push_back(number_option(setting_, word, least, greatest));
+}
+
+int SettingReader::choice(const std::vector<std::string>& words) const {
+  check_choice(setting_, text_, words);
+  return static_cast<int>(std::ranges::find(words, text_) - words.begin());
+}
+
+std::vector<std::string> SettingReader::list() const {
+  std::vector<std::string> words;
+  std::istringstream stream(text_);
+  for (std::string word; std::getline(stream >> std::ws, word, ',');) words.push_back(word);
+  return words;
+}
+
+Vec3 SettingReader::lengths() const {
+  const auto [x, y, z] = point_option(setting_, text_);
+  return {x, y, z};
+}
+
+double SettingReader::quantity(Dimension dimension) const {
+  return quantity_option(setting_, text_, dimension);
 }
 
 void SettingReader::to(std::optional<Vec3>& value, const std::vector<std::string>& words) const {
   value.reset();
-  if (text_.empty() || std::ranges::count(words, text_) > 0) return;
-  const auto [x, y, z] = point_option(setting_, text_);
-  value = {x, y, z};
+  if (!text_.empty() && std::ranges::count(words, text_) == 0) value = lengths();
 }
 
 void SettingReader::to(std::uint64_t& value) const {

@@ -9,34 +9,16 @@
 #include <variant>
 #include <vector>
 
+#include "plenoflame/base/setting_names.h"
+#include "plenoflame/base/units.h"
 #include "plenoflame/math/vector.h"
 
 /// Settings of requests, described once: the command's options with their help, the arguments of
 /// Python and the texts of the desktop come from these rows.
 namespace plenoflame {
 
-class Error;
-
-/// How a front end writes the names of settings, so that messages name them as their caller does.
-class SettingNames {
- public:
-  enum class Style {
-    option,    ///< of the command: --absorption-error
-    argument,  ///< of Python: absorption_error
-    words,     ///< in a window: absorption error
-  };
-  constexpr SettingNames(Style style = Style::option) : style_(style) {}
-
-  /// @param setting its own name, words with hyphens: "absorption-error"
-  std::string operator()(std::string_view setting) const;
-  /// With its value: "--solver mart", "solver='mart'".
-  std::string operator()(std::string_view setting, std::string_view value) const;
-  /// The text of an error, with the settings that mend it: "... (--region, --margin)".
-  std::string message(const Error& error) const;
-
- private:
-  Style style_;
-};
+/// Names as the command writes them, and as texts in a window do.
+inline constexpr SettingNames kOptionNames{"--", '-', false}, kWordNames{"", ' ', false};
 
 /// The kinds of texts that settings take.
 enum class SettingKind {
@@ -60,14 +42,44 @@ struct SettingFacts {
   bool repeated = false, required = false;
 };
 
+class SettingReader;
+
+/// A value that is one of the row's words, by the word's number. setting_choice() makes it of an
+/// enumeration with the words in its order.
+template <class Request>
+struct SettingChoice {
+  int (*get)(const Request&);
+  void (*set)(Request&, int);
+};
+template <auto Member, class Request>
+constexpr SettingChoice<Request> setting_choice() {
+  using Value = std::remove_cvref_t<decltype(std::declval<Request>().*Member)>;
+  return {[](const Request& request) { return static_cast<int>(request.*Member); },
+          [](Request& request, int word) { request.*Member = static_cast<Value>(word); }};
+}
+
+/// A value that is more than one member.
+template <class Request>
+struct SettingText {
+  std::string (*get)(const Request&);
+  void (*set)(Request&, const SettingReader&);
+};
+
 /// A setting of a request, and where its value is kept.
 template <class Request>
 struct SettingRow {
-  using Field = std::variant<std::string Request::*, int Request::*, std::optional<int> Request::*,
-                             std::optional<std::uint64_t> Request::*, double Request::*,
-                             std::optional<double> Request::*, bool Request::*,
-                             std::vector<std::string> Request::*, std::vector<int> Request::*,
-                             std::optional<Vec3> Request::*>;
+  using Field =
+      std::variant<std::string Request::*, int Request::*, std::optional<int> Request::*,
+                   std::optional<std::uint64_t> Request::*, double Request::*,
+                   std::optional<double> Request::*, bool Request::*,
+                   std::vector<std::string> Request::*, std::vector<int> Request::*,
+                   std::optional<Vec3> Request::*, std::vector<double> Request::*,
+                   std::vector<Vec3> Request::*, SettingChoice<Request>, SettingText<Request>>;
+  /// Given several times, it has several values.
+  bool is_repeated() const {
+    return std::holds_alternative<std::vector<std::string> Request::*>(field) ||
+           std::holds_alternative<std::vector<Vec3> Request::*>(field);
+  }
   std::string_view name, form, help;
   Field field;
   SettingKind kind = SettingKind::text;
@@ -86,6 +98,7 @@ std::span<const SettingRow<Request>> setting_rows();
 std::string setting_text(double value);
 std::string setting_text(std::uint64_t value);
 std::string setting_text(const std::vector<int>& value);
+std::string setting_text(const std::vector<double>& value);
 std::string setting_text(const Vec3& value);
 
 /// The value of a row as set_row() takes it; empty: nothing, false, or a repeated one.
@@ -97,7 +110,8 @@ std::string text_of_row(const SettingRow<Request>& row, const Request& request) 
       return value;
     else if constexpr (std::is_same_v<Value, bool>)
       return value ? "true" : "";
-    else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+    else if constexpr (std::is_same_v<Value, std::vector<std::string>> ||
+                       std::is_same_v<Value, std::vector<Vec3>>)
       return "";
     else if constexpr (std::is_same_v<Value, int>)
       return value < 0 ? row.words[static_cast<std::size_t>(-1 - value)]
@@ -107,7 +121,11 @@ std::string text_of_row(const SettingRow<Request>& row, const Request& request) 
   };
   return std::visit(
       [&](auto field) {
-        if constexpr (requires { (request.*field).has_value(); })
+        if constexpr (std::is_same_v<decltype(field), SettingChoice<Request>>)
+          return row.words[static_cast<std::size_t>(field.get(request))];
+        else if constexpr (std::is_same_v<decltype(field), SettingText<Request>>)
+          return field.get(request);
+        else if constexpr (requires { (request.*field).has_value(); })
           return request.*field ? text_of(*(request.*field)) : std::string();
         else
           return text_of(request.*field);
@@ -117,13 +135,9 @@ std::string text_of_row(const SettingRow<Request>& row, const Request& request) 
 
 template <class Request>
 SettingFacts facts_of(const SettingRow<Request>& row) {
-  SettingFacts facts{row.name,
-                     row.form,
-                     std::string(row.help),
-                     text_of_row(row, Request()),
-                     row.kind,
-                     std::holds_alternative<std::vector<std::string> Request::*>(row.field),
-                     row.required};
+  SettingFacts facts{
+      row.name, row.form,          std::string(row.help), text_of_row(row, Request()),
+      row.kind, row.is_repeated(), row.required};
   if (!facts.value.empty()) facts.help += " (" + facts.value + ")";
   return facts;
 }
@@ -142,6 +156,17 @@ class SettingReader {
   void to(std::uint64_t& value) const;
   void to(double& value, double least, double greatest) const;
   void to(bool& value) const;
+  void to(std::vector<double>& values, double least, double greatest) const;
+  /// The number of one of the words.
+  int choice(const std::vector<std::string>& words) const;
+  /// Words with commas between.
+  std::vector<std::string> list() const;
+  /// A place or a direction.
+  Vec3 lengths() const;
+  double quantity(Dimension dimension) const;
+
+  const std::string& setting() const { return setting_; }
+  const std::string& text() const { return text_; }
 
  private:
   std::string setting_, text_;
@@ -154,25 +179,33 @@ void set_row(const SettingRow<Request>& row, const SettingNames& names, const st
   const SettingReader reader(names(row.name), text);
   std::visit(
       [&](auto field) {
-        auto& value = request.*field;
-        using Value = std::decay_t<decltype(value)>;
-        if constexpr (std::is_same_v<Value, std::string> ||
-                      std::is_same_v<Value, std::optional<Vec3>>)
-          reader.to(value, row.words);
-        else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
-          value.push_back(text);
-        else if constexpr (std::is_same_v<Value, bool>)
-          reader.to(value);
-        else if constexpr (std::is_same_v<Value, std::optional<std::uint64_t>>)
-          reader.to(value.emplace());
-        else if constexpr (std::is_same_v<Value, int>)
-          reader.to(value, row.words, row.least, row.greatest);
-        else if constexpr (std::is_same_v<Value, std::optional<int>>)
-          reader.to(value.emplace(), row.words, row.least, row.greatest);
-        else if constexpr (std::is_same_v<Value, std::optional<double>>)
-          reader.to(value.emplace(), row.least, row.greatest);
-        else
-          reader.to(value, row.least, row.greatest);
+        if constexpr (std::is_same_v<decltype(field), SettingChoice<Request>>) {
+          field.set(request, reader.choice(row.words));
+        } else if constexpr (std::is_same_v<decltype(field), SettingText<Request>>) {
+          field.set(request, reader);
+        } else {
+          auto& value = request.*field;
+          using Value = std::decay_t<decltype(value)>;
+          if constexpr (std::is_same_v<Value, std::string> ||
+                        std::is_same_v<Value, std::optional<Vec3>>)
+            reader.to(value, row.words);
+          else if constexpr (std::is_same_v<Value, std::vector<std::string>>)
+            value.push_back(text);
+          else if constexpr (std::is_same_v<Value, std::vector<Vec3>>)
+            value.push_back(reader.lengths());
+          else if constexpr (std::is_same_v<Value, bool>)
+            reader.to(value);
+          else if constexpr (std::is_same_v<Value, std::optional<std::uint64_t>>)
+            reader.to(value.emplace());
+          else if constexpr (std::is_same_v<Value, int>)
+            reader.to(value, row.words, row.least, row.greatest);
+          else if constexpr (std::is_same_v<Value, std::optional<int>>)
+            reader.to(value.emplace(), row.words, row.least, row.greatest);
+          else if constexpr (std::is_same_v<Value, std::optional<double>>)
+            reader.to(value.emplace(), row.least, row.greatest);
+          else
+            reader.to(value, row.least, row.greatest);
+        }
       },
       row.field);
 }

@@ -4,7 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <iostream>
 #include <sstream>
+#include <utility>
+#include <vector>
+
+#include "plenoflame/base/printable.h"
 
 namespace plenoflame {
 
@@ -43,6 +48,29 @@ std::string fitting(const std::string& text) {
   for (std::string line; std::getline(lines, line); result += '\n')
     append_wrapped(result, line, 0, 4, columns);
   return result;
+}
+
+void print(const Report& report, bool as_json) {
+  if (as_json) {
+    std::cout << report.json_text();
+    return;
+  }
+  std::vector<std::pair<std::string, std::string>> lines;
+  std::size_t width = 0;
+  for (const auto& [label, text] : report.lines()) {
+    lines.emplace_back(printable(label), printable(text));
+    width = std::max(width, lines.back().first.size());
+  }
+  const std::size_t columns = output_columns();
+  const std::size_t begin = width + 2 <= columns / 2 ? width + 2 : 4;
+  for (const auto& [label, text] : lines) {
+    std::string line = label + ':' + std::string(width - label.size() + 1, ' ');
+    if (columns > 0)
+      append_wrapped(line, text, line.size(), begin, columns);
+    else
+      line += text;
+    std::cout << line << '\n';
+  }
 }
 
 }  // namespace plenoflame

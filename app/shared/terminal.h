@@ -2,6 +2,8 @@
 #include <cstddef>
 #include <string>
 
+#include "plenoflame/base/report.h"
+
 namespace plenoflame {
 
 /// Columns of the terminal that standard output goes to; 0: it goes elsewhere.
@@ -15,5 +17,9 @@ void append_wrapped(std::string& text, const std::string& line, std::size_t used
 
 /// The lines of a text, broken between words where the terminal of standard output wants it.
 std::string fitting(const std::string& text);
+
+/// Prints a report to standard output, as aligned lines or as JSON. On a terminal the lines are
+/// broken between words.
+void print(const Report& report, bool as_json);
 
 }  // namespace plenoflame

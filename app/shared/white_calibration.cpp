@@ -5,18 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <optional>
 
 #include "number_rows.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/calibration/array_fit.h"
 #include "plenoflame/calibration/white_lattice.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/scene_file.h"
-#include "report.h"
 
 namespace plenoflame {
 namespace {

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/calibration/white_lattice.h"
 #include "plenoflame/scene/scene_file.h"
 #include "raw_files.h"
-#include "report.h"
 #include "settings.h"
 
 namespace plenoflame {

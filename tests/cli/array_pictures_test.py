@@ -95,6 +95,13 @@ class ArrayPictures(CommandTest):
             file["only"] = numbers(8).astype("u1")
             file["time"] = 1.5
         self.same(numbers(8), "b.h5")
+        with h5py.File(self.path("empty.h5"), "w"):
+            pass
+        self.refused("cannot read 'empty.h5': it holds no array of numbers", "empty.h5")
+        self.write("text.h5", "numbers")
+        self.refused("cannot read 'text.h5': it is no HDF5 file", "text.h5")
+        self.write("none.h5", "")
+        self.refused("cannot read 'none.h5': it is empty", "none.h5")
         # A file claims numbers that were never stored.
         for shape, chunks in [((1 << 14, 1 << 15), (64, 64)), ((1 << 50, 4, 4), (1, 4, 4))]:
             with h5py.File(self.path("claims.h5"), "w") as file:
@@ -112,6 +119,8 @@ class ArrayPictures(CommandTest):
         self.refused("several arrays may be the picture; add one, FILE:ARRAY: raw (20 x 32), series (20 x 32 x 2)", "a.mat")
         scipy.io.savemat(self.path("b.mat"), {"raw": numbers(8).astype("u1")})
         self.same(numbers(8), "b.mat")
+        scipy.io.savemat(self.path("four.mat"), {"raw": numbers(8).astype("u1")}, format="4")
+        self.refused("it is no .mat file of MATLAB 5 or later; save it there with '-v7'", "four.mat")
         # Damaged anywhere, a file is refused in one line.
         whole = self.read("a.mat")
         for end in [130, 140, len(whole) // 2, len(whole) - 9]:

@@ -74,6 +74,14 @@ class Compare(CommandTest):
         self.assertNotIn("chi_square", figures)
         self.assertIn("neither image", self.succeeds("compare", "a.exr", "a.exr"))
 
+    def test_two_units_are_warned_of(self):
+        write_light_field(self.path("a.exr"), [[1.0, 2.0]], unit="e-")
+        write_light_field(self.path("b.exr"), [[1.0, 2.0]])
+        result = self.run_command("compare", "a.exr", "b.exr")
+        self.assertEqual(result.returncode, 0)
+        self.assertIn("warning: the first image is in e-, the reference in W: their difference means nothing", result.stderr)
+        self.assertEqual(self.run_command("compare", "b.exr", "b.exr").stderr, "")
+
     def test_limit(self):
         write_light_field(self.path("a.exr"), [[1.02, 2.0]])
         write_light_field(self.path("b.exr"), [[1.0, 2.0]])

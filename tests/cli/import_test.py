@@ -104,6 +104,8 @@ class Import(CommandTest):
             self.write(f"{c}.tif", tiff([plane]))
         images = self.imported("650nm=650.tif", "550nm=550.tif", "--camera", "a.toml", "--unit", "DN")[1]
         self.assertEqual((images["650nm"], images["550nm"]), (planes[0], planes[1]))
+        self.fails(2, "import", "other=650.tif", "--camera", "a.toml", "-o", "b.exr",
+                   mentions="other=650.tif: the camera's file has no channel 'other'; it has 650nm, 550nm, 450nm")
 
     def test_jpeg_is_read_with_a_warning(self):
         def picture(blocks, c=None):

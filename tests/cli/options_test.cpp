@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "commands/command.h"
-#include "operator_problem.h"
+#include "inverse_settings.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::cli::options_test {
@@ -111,7 +111,7 @@ TEST(Options, SettingsAreValuesAndTextsOfThem) {
   EXPECT_EQ(again.grid, unknowns.grid);
   ASSERT_TRUE(again.centre);
   EXPECT_EQ(again.centre->y, -2e-3);
-  EXPECT_EQ(again.kind, "voxels");
+  EXPECT_EQ(again.kind, UnknownKind::voxels);
   for (const auto& row : setting_rows<OperatorRequest>())
     EXPECT_TRUE(row.name != "bin" || text_of_row(row, request) == "view");
   EXPECT_THROW(set_setting(unknowns, {}, "grid", "4,0"), UsageError);

@@ -74,16 +74,19 @@ class SettingsFile(CommandTest):
                 ("noise = 0.01", "noise =", 1, ["run.toml:11:"]),
                 ("[reconstruction]", "[[reconstruction]]", 1, ['"reconstruction" is not a table; begin it with [reconstruction]']),
                 ("# A flame of rings.", "[sweep]", 1, ['run.toml:1:2: "sweep" stands beside [reconstruction]']),
-                ("f.vdb.json", "f.vdb", 2, ["--report", "are the same file"])):
+                ("noise = 0.01", "absorption = 8", 1, ["run.toml:11:1: absorption: ", "its unit is missing"]),
+                ("truth = false", 'truth = "yes"', 1, ["run.toml:16:1: truth: true or false, not 'yes'"]),
+                ("f.vdb.json", "f.pdf", 1, ["run.toml:17:1: report: 'f.pdf' must end in .json, .txt or .html"])):
             self.assertIn(old, text)
             self.write("run.toml", text.replace(old, new))
             self.fails(status, "reconstruct", "run.toml", mentions=mentions)
             self.assertEqual(self.files(), before)
         self.write("run.toml", text)
         self.fails(2, "reconstruct", "run.toml", "a.toml", mentions="of [reconstruction] one file is given")
-        self.fails(1, "operator", "run.toml", "-o", "A.npz", mentions='unknown key "reconstruction"')
+        self.fails(1, "operator", "run.toml", "-o", "A.npz", mentions="run.toml: a table [operator] is needed here, not [reconstruction]")
         self.write("run.toml", '[operator]\nscene = ["a.toml", "a.toml"]\noutput = "A.npz"\n')
         self.fails(1, "operator", "run.toml", mentions="run.toml:2:1: scene: one, not several")
+        self.fails(1, "reconstruct", "run.toml", mentions="run.toml: a table [reconstruction] is needed here, not [operator]")
         self.assertEqual(self.files(), before)
 
 

@@ -5,9 +5,8 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/mended_by.h"
-#include "reconstruct_request.h"
-#include "reconstruct_verdict.h"
-#include "settings.h"
+#include "plenoflame/volumes/reconstruct_verdict.h"
+#include "reconstruct_settings.h"
 
 namespace plenoflame::verdict_test {
 namespace {
@@ -19,7 +18,7 @@ TEST(Verdict, NamesAnAbsorptionBeyondTwoStatedErrors) {
                              {SuspectKind::up, 0, 1e-3, 1e-3, false}};
   const auto sentences = [&](double stated) {
     result.figures.absorption_error = stated;
-    return what_is_wrong(result, "voxels", {"front", "side"});
+    return what_is_wrong(result, UnknownKind::voxels, {"front", "side"});
   };
   for (const double stated : {0.0, 0.149}) {
     ASSERT_EQ(sentences(stated).size(), 2U) << stated;
@@ -30,25 +29,22 @@ TEST(Verdict, NamesAnAbsorptionBeyondTwoStatedErrors) {
 }
 
 TEST(Options, StandBesideTheMessagesOfErrorsThatTheyMend) {
-  EXPECT_EQ(SettingNames().message(InputError("a")), "a");
-  EXPECT_EQ(SettingNames().message(mended_by(InputError("a"), {"region", "margin"})),
+  EXPECT_EQ(kOptionNames.message(InputError("a")), "a");
+  EXPECT_EQ(kOptionNames.message(mended_by(InputError("a"), {"region", "margin"})),
             "a (--region, --margin)");
 }
 
 TEST(SettingNames, AreWrittenAsTheCallerWritesThem) {
-  using Style = SettingNames::Style;
-  const auto written = [](Style style) {
-    const SettingNames names(style);
+  const auto written = [](const SettingNames& names) {
     return names("absorption-error") + ", " + names("solver", "mart") + ", " + names("memory", "0");
   };
-  EXPECT_EQ(written(Style::option), "--absorption-error, --solver mart, --memory 0");
-  EXPECT_EQ(written(Style::argument), "absorption_error, solver='mart', memory=0");
-  EXPECT_EQ(written(Style::words), "absorption error, solver mart, memory 0");
+  EXPECT_EQ(written(kOptionNames), "--absorption-error, --solver mart, --memory 0");
+  EXPECT_EQ(written({}), "absorption_error, solver='mart', memory=0");
+  EXPECT_EQ(written(kWordNames), "absorption error, solver mart, memory 0");
 }
 
 TEST(Settings, OfARequestAreSetByName) {
   ReconstructRequest request;
-  request.unknowns.names = SettingNames::Style::argument;
   set_option(request, "iterations", "7");
   set_option(request, "spread", "1 m, 0 m, 0 m");
   set_option(request, "spread", "2 m, 0 m, 0 m");
@@ -57,7 +53,7 @@ TEST(Settings, OfARequestAreSetByName) {
   EXPECT_EQ(request.iterations, 7);
   EXPECT_EQ(request.spreads.size(), 2U);
   EXPECT_EQ(request.strength, 0.5);
-  EXPECT_EQ(request.unknowns.kind, "rings");
+  EXPECT_EQ(request.unknowns.kind, UnknownKind::rings);
   const auto refusal = [&](const char* name, const char* text) -> std::string {
     try {
       set_option(request, name, text);

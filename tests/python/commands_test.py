@@ -123,6 +123,15 @@ class Commands(PackageTest):
         numpy.testing.assert_array_equal(electrons.flux, expected.flux)
         numpy.testing.assert_array_equal(electrons.error, expected.error)
 
+    def test_automatic_exposure_knows_the_bits(self):
+        scene = self.scene(48)
+        field = scene.render(samples=8)
+        scene["camera.sensor.bits"] = 8
+        scene["camera.sensor.gain"] = 1
+        few = scene.render(samples=8).expose("auto", noise=())
+        self.assertEqual(few.saturated, (0,))
+        self.assertLess(few.exposure_time, field.expose("auto").exposure_time)
+
     def pixels(self, path):
         """Of a picture's file, by another reader."""
         from PIL import Image

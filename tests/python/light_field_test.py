@@ -47,6 +47,37 @@ class LightFields(PackageTest):
         pickle.loads(pickle.dumps(field)).save(self.folder / "b.exr")
         self.assertEqual((self.folder / "a.exr").read_bytes(), (self.folder / "b.exr").read_bytes())
 
+    def test_pictures_of_two_units_are_not_compared_in_silence(self):
+        field = self.scene(40).render(samples=2)
+        with self.assertWarnsRegex(RuntimeWarning, "the first image is in e-, the reference in W"):
+            field.electrons("auto").compare(field)
+
+    def test_errors_are_set_where_there_were_none(self):
+        field = self.scene(40).render(samples=2)
+        for one in (field, plenoflame.read_light_field(self.without_errors(field))):
+            one.error = 2 * field.flux
+            numpy.testing.assert_array_equal(one.error, 2 * field.flux)
+            with self.assertRaisesRegex(plenoflame.Error, "error"):
+                one.error = [1, 2]
+
+    def without_errors(self, field):
+        """A file of its flux alone."""
+        state = field._data.state
+        state["images"] = {name: image for name, image in state["images"].items() if not name.endswith(".error")}
+        path = self.folder / "bare.exr"
+        plenoflame.LightField(type(field._data).from_state(state)).save(path)
+        return path
+
+    def test_white_pictures_are_those_of_the_command(self):
+        scene = self.scene(40)
+        scene.save(self.folder / "a.toml")
+        self.command("render", "a.toml", "--white", "--samples", 2, "-o", "white.exr")
+        white = scene.render(samples=2, white=True)
+        numpy.testing.assert_array_equal(white.flux, plenoflame.read_light_field(self.folder / "white.exr").flux)
+        for more in ({"truth": True}, {"estimator": "forward"}):
+            with self.assertRaisesRegex(plenoflame.Error, "white has no flames"):
+                scene.render(samples=2, white=True, **more)
+
     def test_image_is_upright(self):
         """The flame's foot is at the bottom of the picture, its tip at the top."""
         scene = self.scene()

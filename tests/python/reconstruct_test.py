@@ -302,7 +302,7 @@ class Reconstruct(PackageTest):
         refuses("smoothing: 3 numbers for 2 axes of rings", smoothing=(1, 2, 3))
         refuses("solver='sirt' has no penalty", solver="sirt", strength=1)
         refuses("memory=0 leaves no room for the stored matrix", solver="mart", memory=0)
-        refuses("absorption: '1000000000.0 1/m' is beyond every flame", absorption=1e9)
+        refuses("absorption: '1000000000 1/m' is beyond every flame", absorption=1e9)
         refuses("noise: 2 is not a number from 0 to 1", noise=2)
         refuses("rays takes a whole number", rays=1)
         refuses("bin: the sensor .* has 60 x 60 pixels", bin=61)

@@ -62,7 +62,7 @@ class Scenes(PackageTest):
         self.assertEqual(scene["cameras[1].name"], "right")
         for ask in (lambda: scene.columns, scene.design, scene.render, lambda: scene.rays(chief=True),
                     *([scene.camera] if VTK else [])):
-            with self.assertRaisesRegex(plenoflame.Error, "left, right; choose one"):
+            with self.assertRaisesRegex(plenoflame.Error, r"left, right; choose one: scene.with_camera\('left'\)"):
                 ask()
         with self.assertRaisesRegex(plenoflame.Error, 'did you mean "right"'):
             scene.camera_name = "rihgt"

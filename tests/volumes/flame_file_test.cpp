@@ -9,6 +9,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/volumes/grid_writer.h"
+#include "plenoflame/volumes/load_medium.h"
 #include "plenoflame/volumes/vdb_info.h"
 #include "support/approx.h"
 #include "volumes/support.h"
@@ -345,6 +346,16 @@ TEST_F(FlameFile, EmissionOfTheMedium) {
   EXPECT_EQ(medium->coefficients({9e-3, 2e-3, -3e-3}, emission), 0);
   EXPECT_TRUE(relative(emission[0], 0.25 * 2 / (4 * std::acos(-1.0)), 1e-5));
   EXPECT_EQ(emission[1], 0);
+}
+
+TEST_F(FlameFile, IsLoadedByTheLibraryUnasked) {
+  read({{"temperature", "K", 1500, 300}, {"absorption", "1/m", 5, 0}});
+  const SceneDocument document = parse_scene(
+      "[camera]\npreset = \"paper-plenoptic2\"\n[camera.sensor]\ncolumns = 20\nrows = 20\n"
+      "[[flames]]\nkind = \"vdb\"\nfile = \"flame.vdb\"\nposition = [\"1 m\", \"0 m\", \"0 m\"]\n",
+      folder_.file("scene.toml"));
+  EXPECT_TRUE(compile_scene(document).medium);
+  EXPECT_THROW(compile(document), InputError);
 }
 
 TEST_F(FlameFile, Albedos) {

@@ -11,4 +11,9 @@ std::shared_ptr<const Medium> load_medium(const FlameSpec& flame, const std::str
                                       : load_core_medium(flame, scene_folder, channels, execution);
 }
 
+CompiledScene compile_scene(const SceneDocument& document, const Execution& execution,
+                            const EarlierScenes& earlier, const std::vector<IssueCode>& unsaid) {
+  return compile(document, load_medium, execution, earlier, unsaid);
+}
+
 }  // namespace plenoflame

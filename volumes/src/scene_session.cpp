@@ -109,9 +109,8 @@ std::shared_ptr<const CompiledScene> SceneSession::compile(const Execution& exec
   EarlierScenes earlier;
   for (const auto& other : compiled_)
     if (other.second) earlier.push_back(other.second.get());
-  const SceneDocument one = for_camera(document_, camera_);
   compiled = std::make_shared<const CompiledScene>(
-      plenoflame::compile(one.scene, load, execution, one.positions, earlier, unsaid));
+      plenoflame::compile(for_camera(document_, camera_), load, execution, earlier, unsaid));
   return compiled;
 }
 

@@ -151,6 +151,8 @@ class LightField(_home.AtHome):
 
     @error.setter
     def error(self, values):
+        values = _check.array("error", values, self.flux.shape)
+        self._data.add_error()  # where there was none
         self[self.channels[0] + ".error"] = values
 
     def save(self, path):

@@ -300,7 +300,7 @@ class Scene(_home.Shown):
         return json.loads(text)
 
     def render(self, samples=0, *, seed=-1, estimator=None, window=None, target_error=0.0, time_limit=0.0, threads=0,
-               truth=False, progress=None):
+               truth=False, white=False, progress=None):
         """Renders the light field.
 
         samples: rays per pixel and microlens (backward), energy bundles in all (forward); 0: as the scene says
@@ -310,6 +310,7 @@ class Scene(_home.Shown):
         target_error: relative RMSE over lit pixels at which to stop; time_limit: in seconds; 0: none
         threads: 0: one per processor; the result does not depend on it
         truth: adds layers of ground truth, such as "truth.distance"
+        white: a white picture: light of 1 W/(m^2 sr) from everywhere in place of the flames
         progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what is there until then
 
         Returns a LightField. Raises Error.
@@ -324,7 +325,7 @@ class Scene(_home.Shown):
         source = made(_core.LightFieldSource, scene=self._scene, samples=_check.whole("samples", samples) or None,
                       seed=_seed_of(seed), estimator=_ESTIMATORS[_check.choice("estimator", estimator, _ESTIMATORS)],
                       target_error=target_error or None, time_limit=_check.number("time_limit", time_limit, 0) or None,
-                      threads=_check.whole("threads", threads, 0, 1024), truth=bool(truth))
+                      threads=_check.whole("threads", threads, 0, 1024), truth=bool(truth), white=bool(white))
         if window is not None:
             source.window = self._window_of(window)
         update(source, progress, "render")
@@ -455,6 +456,7 @@ class Scene(_home.Shown):
         """The camera's geometry as a vtkMultiBlockDataSet: vtkPlenoflameCameraSource, with its properties set by name,
         e.g. LevelOfDetail=2, Window=(100, 100, 64, 64)."""
         source = need_vtk("Scene.camera()").vtkPlenoflameCameraSource()
+        self.columns  # raises Error where several cameras wait for a choice
         from ._vtk import events_of
         source.SetInputDataObject(self.to_vtk())
         for name, value in settings.items():

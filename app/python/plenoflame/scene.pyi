@@ -62,7 +62,7 @@ class Scene(Shown):
     def render(self, samples: int = ..., *, seed: int = ..., estimator: Optional[str] = ...,
                window: Optional[tuple[int, int, int, int]] = ..., target_error: float = ..., time_limit: float = ...,
                threads: int = ...,
-               truth: bool = ..., progress: Optional[Progress] = ...) -> LightField: ...
+               truth: bool = ..., white: bool = ..., progress: Optional[Progress] = ...) -> LightField: ...
     def rays(self, *, pixels: Iterable[tuple[int, int]] = ..., microlenses: Iterable[tuple[int, int]] = ...,
              points: Iterable[tuple[float, float, float]] = ..., random: int = ..., chief: bool = ..., rays: int = ...,
              flame_samples: int = ..., status: Union[None, str, Iterable[str]] = ..., lens_type: Optional[int] = ...,

@@ -26,7 +26,7 @@ bool run_here(vtkObject& object, const std::function<void()>& task) {
   } catch (const Cancelled&) {
     return false;
   } catch (...) {
-    report_error(object, message_of_current_exception(SettingNames::Style::argument));
+    report_error(object, message_of_current_exception({}));
     return false;
   }
 }

@@ -136,7 +136,7 @@ std::string_view trim(std::string_view text) {
 }
 
 /// Text as it may stand in a one-line message.
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string result = "\"";
   for (const char c : text.substr(0, 40)) {
     const auto code = static_cast<unsigned char>(c);
@@ -216,14 +216,14 @@ const Unit* find_unit(std::string_view name, Dimension dimension) {
 [[noreturn]] void fail(std::string_view text, Dimension dimension, const std::string& why) {
   const std::string name(dimension_name(dimension));
   const bool vowel = std::string_view("aeiou").find(name.front()) != std::string_view::npos;
-  throw InputError(quoted(text) + (vowel ? " is not an " : " is not a ") + name + ": " + why);
+  throw InputError(in_quotes(text) + (vowel ? " is not an " : " is not a ") + name + ": " + why);
 }
 
 /// A decimal comma, "2,534 mm". @param rest from the comma on
 [[noreturn]] void fail_at_comma(std::string_view text, std::string_view rest, Dimension dimension) {
   std::string with_point(text);
   with_point[static_cast<std::size_t>(rest.data() - text.data())] = '.';
-  fail(text, dimension, "decimals follow a point, not a comma: " + quoted(with_point));
+  fail(text, dimension, "decimals follow a point, not a comma: " + in_quotes(with_point));
 }
 
 /// Writes the shortest digits of the value with a moved decimal point. In binary, value * 10^-shift
@@ -321,7 +321,7 @@ double parse_quantity(std::string_view text, Dimension dimension) {
   if (!unit && dimension == Dimension::none)
     fail(text, dimension, "it is a pure number, which takes no unit but %");
   if (!unit)
-    fail(text, dimension, "the unit " + quoted(name) + " is not one of " + unit_list(dimension));
+    fail(text, dimension, "the unit " + in_quotes(name) + " is not one of " + unit_list(dimension));
   const auto value = to_double(*number, unit->power_of_ten);
   double si = value ? *value * unit->multiply / unit->divide : 0;
   if (unit->add != 0) si += unit->add;  // not always: -0 + 0 would lose the sign

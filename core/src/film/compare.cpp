@@ -188,6 +188,9 @@ Comparison compare(const LightField& a, const LightField& reference, const std::
   if (window.width <= 0 || window.height <= 0)
     throw InputError("the images have no pixel in common: their windows don't overlap");
   result.window = window;
+  if (a.unit != reference.unit)
+    result.caution = "the first image is in " + a.unit + ", the reference in " + reference.unit +
+                     ": their difference means nothing";
   const LightFieldChannel& channel_b = find_channel(reference, channel, "the reference");
   const LightFieldChannel& channel_a = find_channel(a, channel_b.name, "the first image");
   const SensorImage flux_a(channel_a.flux, a.window), flux_b(channel_b.flux, reference.window);

@@ -182,6 +182,10 @@ void read_raw_pictures(const std::string& name, const RawLayout& layout,
     read_headerless(path, bytes, layout, take);
   } else if (bytes.empty()) {
     refuse_picture(path, "it is empty");
+  } else if (path.ends_with(".mat")) {
+    refuse_picture(path, "it is no .mat file of MATLAB 5 or later; save it there with '-v7'");
+  } else if (path.ends_with(".h5")) {
+    refuse_picture(path, "it is no HDF5 file");
   } else {
     throw mended_by(FileError("cannot read '" + path +
                               "': neither TIFF, PNG, PGM, JPEG, HDF5, .mat nor Lytro; numbers "

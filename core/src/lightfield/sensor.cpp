@@ -94,7 +94,11 @@ double automatic_exposure(const std::vector<SensorChannel>& channels, const Sens
   for (const SensorChannel& channel : channels)
     fastest = std::max(fastest, automatic_saturation(*channel.flux) *
                                     electrons_per_joule(sensor, channel.wavelength));
-  return fastest > 0 ? kAutomaticFill * sensor.full_well / fastest : 0;
+  // A converter of few bits is full before the well.
+  const SensorSpec levels = resolved_levels(sensor);
+  const double most = std::min(
+      sensor.full_well, levels.gain * (std::ldexp(1.0, sensor.bits) - 1 - levels.black_level));
+  return fastest > 0 ? kAutomaticFill * most / fastest : 0;
 }
 
 SensorFrame expose(const std::vector<SensorChannel>& channels, PixelWindow window, int sensor_width,

@@ -10,6 +10,7 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/media/brightened_medium.h"
 #include "plenoflame/media/layered_medium.h"
+#include "plenoflame/media/uniform_medium.h"
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "plenoflame/scene/timeline.h"
@@ -474,6 +475,27 @@ CompiledScene compile(const Scene& given, const MediumLoader& loader, const Exec
           1, std::vector<double>{mix.weight(channel, static_cast<int>(n))});
   }
   return compiled;
+}
+
+CompiledScene compile(const SceneDocument& document, const MediumLoader& loader,
+                      const Execution& execution, const EarlierScenes& earlier,
+                      const std::vector<IssueCode>& unsaid) {
+  return compile(document.scene, loader, execution, document.positions, earlier, unsaid);
+}
+
+void fill_with_light(CompiledScene& compiled) {
+  const auto fill = [](CompiledScene& path, double radiance) {
+    path.medium = make_uniform_medium(radiance, path.node_count());
+    path.scatterers.clear();
+  };
+  fill(compiled, 1);
+  for (CompiledScene& path : compiled.paths()) {
+    // Each of several wavelengths that stand for a channel sees a share of its light.
+    double sharing = 0;
+    for (const CompiledScene& other : compiled.paths())
+      sharing += other.film_channel == path.film_channel ? 1 : 0;
+    fill(path, 1 / sharing);
+  }
 }
 
 }  // namespace plenoflame

@@ -3,6 +3,7 @@ list(APPEND core_sources
   src/scene/channel_kinds.cpp
   src/scene/compile.cpp
   src/scene/files/file_series.cpp
+  src/scene/design_report.cpp
   src/scene/glass_indices.cpp
   src/scene/imported_camera.cpp
   src/scene/files/input_files.cpp

@@ -14,6 +14,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -70,7 +71,7 @@ int run_corners_of_boards(BoardArguments& a, const Execution& execution) {
       write_png(name, corner_picture(found.light, found.found));
     });
   files.commit();
-  found.report.print(a.json);
+  print(found.report, a.json);
   return kSuccess;
 }
 

@@ -13,6 +13,7 @@
 #include "plot.h"
 #include "pose_calibration.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -72,7 +73,7 @@ int run_geometry(const GeometryArguments& arguments, const Execution& execution)
   write_table(arguments.poses, found.poses);
   if (!arguments.plot.empty()) write_plot(arguments.plot, residual_plots(found.fit, found.corners));
   files.commit();
-  report.print(arguments.json);
+  print(report, arguments.json);
   return kSuccess;
 }
 

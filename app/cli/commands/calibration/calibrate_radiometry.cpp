@@ -10,6 +10,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "radiometry_calibration.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -28,7 +29,7 @@ int run_radiometry(RadiometryArguments& arguments, const Execution& execution) {
   RadiometryCalibration found = calibrate_radiometry(arguments.request, camera, execution);
   write_file(arguments.output, radiometry_text(found.table));
   found.report.add("written", arguments.output, "output", arguments.output);
-  found.report.print(arguments.json);
+  print(found.report, arguments.json);
   return kSuccess;
 }
 

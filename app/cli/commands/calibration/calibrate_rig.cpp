@@ -12,6 +12,7 @@
 #include "plenoflame/scene/scene_file.h"
 #include "pose_calibration.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -41,7 +42,7 @@ int run_rig(RigArguments& arguments) {
   FoundRig found = calibrate_rig(arguments.request, execution);
   write_scene_file(arguments.output, found.scene);
   found.report.add("scene", arguments.output, "output", arguments.output);
-  found.report.print(arguments.json);
+  print(found.report, arguments.json);
   return kSuccess;
 }
 

@@ -15,6 +15,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
 #include "run.h"
+#include "terminal.h"
 #include "white_calibration.h"
 
 namespace plenoflame::cli {
@@ -68,7 +69,7 @@ int run_white(WhiteArguments& a, const Execution& execution) {
     });
   files.commit();
   if (!a.output.empty()) found.report.add("camera", a.output, "output", a.output);
-  found.report.print(a.json);
+  print(found.report, a.json);
   return kSuccess;
 }
 

@@ -8,11 +8,12 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/camera/camera.h"
 #include "plenoflame/camera/camera_import.h"
 #include "plenoflame/scene/imported_camera.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -62,7 +63,7 @@ int run_camera_import(const CameraImportArguments& arguments) {
   report.add_json("notes", found.notes);
   report.add_json("warnings", found.warnings);
   write_scene_file(arguments.output, found.scene);
-  report.print(arguments.json);
+  print(report, arguments.json);
   return kSuccess;
 }
 

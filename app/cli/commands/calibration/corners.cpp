@@ -10,10 +10,11 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/render/pattern_images.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -35,8 +36,8 @@ int run_corners(const CornersArguments& settings, const std::stop_token& stop) {
   SceneDocument document = read_camera_scene(settings.scene, settings.set, settings.camera);
   document.scene.flames.clear();  // where a corner is does not depend on what burns
   Execution execution;
-  const CompiledScene scene = compile(document.scene, medium_loader(), execution,
-                                      document.positions, {}, {IssueCode::no_flame});
+  const CompiledScene scene =
+      compile(document, medium_loader(), execution, {}, {IssueCode::no_flame});
   std::vector<PatternImage> images;
   {
     execution.stop = stop;
@@ -52,7 +53,7 @@ int run_corners(const CornersArguments& settings, const std::stop_token& stop) {
   report.add("of these, on the sensor", std::to_string(points.size()), "points_seen",
              points.size());
   report.add("images through microlenses", std::to_string(images.size()), "images", images.size());
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "commands/calibration/calibration_options.h"
 #include "commands/commands.h"
@@ -16,6 +17,7 @@
 #include "plenoflame/image/atomic_file.h"
 #include "raw_pictures.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -46,7 +48,7 @@ int import_series(ImportArguments& arguments, const SceneDocument& camera, doubl
              fmt::format("{}, {} to {}", moments.size(), with_frame(arguments.output, 0),
                          with_frame(arguments.output, static_cast<int>(moments.size()) - 1)),
              "light_fields", list);
-  report.print(arguments.json);
+  print(report, arguments.json);
   return kSuccess;
 }
 
@@ -70,7 +72,7 @@ int run_import(ImportArguments& arguments) {
   Report report;
   report.add("light field", arguments.output, "light_field", arguments.output);
   report.add_all(found.report);
-  report.print(arguments.json);
+  print(report, arguments.json);
   return kSuccess;
 }
 

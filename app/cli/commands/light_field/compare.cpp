@@ -6,14 +6,17 @@
 #include <cmath>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
 #include "commands/light_field/compare_lenses.h"
+#include "messages.h"
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
-#include "report.h"
+#include "plenoflame/base/report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -112,6 +115,7 @@ int run_compare(const CompareArguments& settings) {
   const LightField a = read_light_field(settings.a);
   const LightField reference = read_light_field(settings.reference);
   const Comparison c = compare(a, reference, settings.channel);
+  if (!c.caution.empty()) warn(c.caution);
 
   Report report;
   const std::string channel = find_channel(reference, settings.channel).name;
@@ -140,7 +144,7 @@ int run_compare(const CompareArguments& settings) {
   add_statistics(report, c);
   if (settings.lenses.asked())
     compare_lenses(a, reference, channel, settings.reference, settings.lenses, report);
-  report.print(settings.json);
+  print(report, settings.json);
   if (limit < 0 || c.relative_rmse <= limit) return kSuccess;
   throw Error("the relative RMSE of " + readable_percent(c.relative_rmse) +
               " exceeds the limit of " + readable_percent(limit));

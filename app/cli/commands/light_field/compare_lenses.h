@@ -1,7 +1,7 @@
 #pragma once
 #include <string>
 
-#include "report.h"
+#include "plenoflame/base/report.h"
 
 namespace plenoflame {
 struct LightField;

@@ -13,10 +13,11 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/image/png_file.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -105,7 +106,7 @@ int run_develop(const DevelopArguments& settings) {
   report.add("pixels with light", std::to_string(image.lit), "pixels_with_light", image.lit);
   report.add("saturated", readable_percent(image.saturated_share) + " of all pixels",
              "saturated_share", image.saturated_share);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

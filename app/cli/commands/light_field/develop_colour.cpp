@@ -4,9 +4,10 @@
 
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/lightfield/colour.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 
@@ -26,7 +27,7 @@ int develop_colour(const LightField& light_field, const Scene& scene, double sat
   report.add("picture", output, "picture", output);
   report.add("channels", used, "channels", colours.names);
   report.add_json("colour", settings.is_xyz ? "xyz" : "rgb");
-  report.print(json);
+  print(report, json);
   return kSuccess;
 }
 

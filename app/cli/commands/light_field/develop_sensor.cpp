@@ -3,16 +3,18 @@
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <utility>
 
 #include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/png_file.h"
 #include "plenoflame/image/tiff_file.h"
 #include "plenoflame/measure/sensor_frames.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -176,7 +178,7 @@ int develop_sensor(const DevelopArguments& settings, const std::string& output,
     }
   files.commit();
   report.add_json("frames", list);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

@@ -15,8 +15,9 @@
 #include "file_set.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
-#include "report.h"
+#include "plenoflame/base/report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -94,7 +95,7 @@ int run_export(const ExportArguments& settings, const std::stop_token& stop) {
   report.add("channel", how.views.channel, "channel", how.views.channel);
   for (const std::string& note : result.notes) report.add_text("note", note);
   report.add_json("notes", result.notes);
-  report.print(settings.raw.json);
+  print(report, settings.raw.json);
   return kSuccess;
 }
 

@@ -16,9 +16,10 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -167,7 +168,7 @@ int run_pyrometry(const PyrometryArguments& settings) {
     compare_with(truth->second, map, found.light[0].flux, found.bins, report);
   if (!settings.reference.empty())
     compare_with_reference(settings.reference, {field, scene, found}, report);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

@@ -2,9 +2,9 @@
 #include <optional>
 #include <string>
 
+#include "plenoflame/base/report.h"
 #include "plenoflame/measure/temperatures.h"
 #include "plenoflame/scene/scene.h"
-#include "report.h"
 
 namespace plenoflame::cli {
 

@@ -4,6 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
 #include "commands/render/light_field_output.h"
@@ -11,9 +12,10 @@
 #include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
+#include "plenoflame/base/report.h"
 #include "progress_bar.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -128,7 +130,7 @@ int run_refocus(const RefocusArguments& settings, const std::stop_token& stop) {
   report.add("channel", how.channel, "channel", how.channel);
   report.add("white in the pictures", readable_in(white, unit), "white", white);
   report.add_json("unit", unit);
-  report.print(settings.raw.json);
+  print(report, settings.raw.json);
   return kSuccess;
 }
 

@@ -3,16 +3,18 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "commands/commands.h"
 #include "commands/render/light_field_output.h"
 #include "file_set.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
+#include "plenoflame/base/report.h"
+#include "plenoflame/math/readable.h"
 #include "progress_bar.h"
-#include "readable.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -97,7 +99,7 @@ int run_views(const ViewsArguments& settings, const std::stop_token& stop) {
                     {"column", view.column},
                     {"offset_pixels", {view.offset.x, view.offset.y}}});
   report.add_json("views", list);
-  report.print(settings.raw.json);
+  print(report, settings.raw.json);
   return kSuccess;
 }
 

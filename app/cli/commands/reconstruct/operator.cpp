@@ -12,14 +12,15 @@
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "medium_loader.h"
-#include "operator_problem.h"
 #include "options.h"
 #include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -50,6 +51,18 @@ std::string places_csv(const Unknowns& unknowns) {
   return text.str();
 }
 
+/// All that rows depend on, in words.
+std::string operator_work(const OperatorRequest& request,
+                          const std::vector<const CompiledScene*>& scenes) {
+  std::string text;
+  for (const auto& row : setting_rows<UnknownsRequest>())
+    text += text_of_row(row, request.unknowns) + '\n';
+  for (const auto& row : setting_rows<OperatorRequest>())
+    if (row.name != "form") text += text_of_row(row, request) + '\n';
+  for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
+  return text;
+}
+
 int run_operator(const OperatorArguments& settings, const std::stop_token& stop) {
   if (!settings.output.ends_with(".npz") && !settings.output.ends_with(".h5") &&
       !settings.output.ends_with(".mtx"))
@@ -71,9 +84,8 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
   std::vector<const CompiledScene*> cameras;
   std::vector<std::string> names;
   for (const CameraScene& view : views) {
-    scenes.push_back(compile(view.document.scene, medium_loader(), execution,
-                             view.document.positions, {scenes.empty() ? nullptr : &scenes.front()},
-                             {IssueCode::no_flame}));
+    scenes.push_back(compile(view.document, medium_loader(), execution,
+                             {scenes.empty() ? nullptr : &scenes.front()}, {IssueCode::no_flame}));
     cameras.push_back(&scenes.back());
     if (views.size() > 1) names.push_back(view.document.scene.camera.name);
   }
@@ -109,7 +121,7 @@ int run_operator(const OperatorArguments& settings, const std::stop_token& stop)
       problem.absorption.empty() ? "emission, W/(m^3 sr)" : "the source function, W/(m^2 sr)",
       "model", problem.absorption.empty() ? "emission" : "source");
   report.add("written", settings.output, "output", settings.output);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

@@ -11,6 +11,7 @@
 namespace plenoflame::cli {
 
 void add_operator_options(CLI::App& command, OperatorArguments& arguments) {
+  arguments.unknowns.names = kOptionNames;
   command
       .add_option_function<std::string>(
           "SCENE",

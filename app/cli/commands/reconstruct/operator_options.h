@@ -2,7 +2,7 @@
 #include <string>
 #include <vector>
 
-#include "operator_problem.h"
+#include "inverse_settings.h"
 
 namespace CLI {
 class App;

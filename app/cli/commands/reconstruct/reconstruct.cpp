@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "commands/commands.h"
@@ -21,6 +22,7 @@
 #include "progress_bar.h"
 #include "ranks.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -73,7 +75,7 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
                     const std::stop_token& stop) {
   // Before any work: wrong options, files that do not fit, outputs that cannot be written.
   reconstruction_settings(arguments, 1);
-  if (ranks && !arguments.refine.empty())
+  if (ranks && !(arguments.refine.empty() && !arguments.refine_axis))
     throw UsageError("--refine moves cameras, which other ranks do not: run it in one process");
   const std::vector<CameraScene> views =
       read_camera_scenes(arguments.scenes, arguments.set, arguments.cameras);
@@ -125,7 +127,7 @@ int run_reconstruct(const ReconstructArguments& arguments, JobCommunicator* rank
                   frames, files);
     files.commit();
     if (frames == 1)
-      report.print(arguments.json);
+      print(report, arguments.json);
     else if (arguments.json)
       all.push_back(nlohmann::json::parse(report.json_text()));
     else

@@ -27,10 +27,9 @@ ReconstructCameras compile_cameras(const ReconstructArguments& arguments,
   const LightField first = read_light_field(names[0], execution.stop);
   std::vector<ReconstructCamera> cameras;
   for (const CameraScene& view : views) {
-    const SceneDocument& document = view.document;
     cameras.push_back(
         {std::make_shared<const CompiledScene>(compile(
-             document.scene, medium_loader(), execution, document.positions,
+             view.document, medium_loader(), execution,
              {cameras.empty() ? nullptr : cameras.front().scene.get()}, {IssueCode::no_flame})),
          view.what()});
   }

@@ -4,7 +4,7 @@
 
 #include "commands/reconstruct/reconstruct_options.h"
 #include "commands/scene_input.h"
-#include "reconstructor.h"
+#include "plenoflame/volumes/reconstructor.h"
 
 namespace plenoflame::cli {
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "choice.h"
 #include "commands/reconstruct/setting_options.h"
 #include "commands/reconstruct/settings_file.h"
 #include "commands/scene_input.h"
@@ -17,6 +18,7 @@
 namespace plenoflame::cli {
 
 void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
+  arguments.unknowns.names = kOptionNames;
   command
       .add_option_function<std::vector<std::string>>(
           "SCENES",
@@ -57,6 +59,7 @@ void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments)
           "--report", arguments.reports,
           "Report with the history: .json, .txt, or .html with pictures and plots; repeatable")
       ->check(written())
+      ->check(ending_in({".json", ".txt", ".html"}))
       ->option_text("FILE");
   command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
       ->check(CLI::Range(0, 1024))
@@ -86,11 +89,11 @@ std::string frame_name(const std::string& path, std::size_t frame, std::size_t f
 void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t frames) {
   if (!arguments.residuals.empty() && arguments.residuals.size() != arguments.images.size())
     throw UsageError("--residual: one file for each picture");
-  if (!arguments.residuals.empty() && arguments.channels().size() > 1)
+  if (!arguments.residuals.empty() && arguments.channels.size() > 1)
     throw UsageError("--residual is for a single channel; --report FILE.html shows those of all");
   if (!arguments.output.ends_with(".vdb"))
     throw UsageError("-o: '" + arguments.output + "' must end in .vdb");
-  if (!arguments.refined_scenes.empty() && arguments.refine.empty())
+  if (!arguments.refined_scenes.empty() && arguments.refine.empty() && !arguments.refine_axis)
     throw UsageError("--refined writes what --refine corrects: give that, too");
   if (!arguments.refined_scenes.empty() &&
       arguments.refined_scenes.size() != arguments.scenes.size())

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "reconstruct_request.h"
+#include "reconstruct_settings.h"
 
 namespace CLI {
 class App;

@@ -2,7 +2,8 @@
 #include <string>
 #include <vector>
 
-#include "reconstruct_result.h"
+#include "plenoflame/base/report.h"
+#include "plenoflame/volumes/reconstruct_result.h"
 
 namespace plenoflame::cli {
 

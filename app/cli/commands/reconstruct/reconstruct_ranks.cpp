@@ -57,8 +57,7 @@ bool serve_reconstruction(const RankMessage& begin, Communicator& ranks, int thr
        read_camera_scenes(json.at("scenes").get<std::vector<std::string>>(),
                           json.at("set").get<std::vector<std::string>>(),
                           json.at("cameras").get<std::vector<std::string>>())) {
-    scenes.push_back(compile(view.document.scene, medium_loader(), execution,
-                             view.document.positions,
+    scenes.push_back(compile(view.document, medium_loader(), execution,
                              {scenes.empty() ? nullptr : &scenes.front()}));
     views.push_back({&scenes.back(), {}});
   }

@@ -20,7 +20,12 @@ std::optional<std::vector<FileSetting>> settings_in(const std::string& file,
                                                     const std::string& table) {
   std::error_code ignored;
   if (!file.ends_with(".toml") || !fs::is_regular_file(file, ignored)) return std::nullopt;
-  return read_settings(file, table);
+  std::optional<std::vector<FileSetting>> settings = read_settings(file, table);
+  for (const char* other : {"reconstruction", "operator"})
+    if (!settings && other != table && read_settings(file, other))
+      throw InputError(SourcePosition{file},
+                       "a table [" + table + "] is needed here, not [" + other + "]");
+  return settings;
 }
 
 /// The options of a command by their keys: --absorption-error is absorption_error.
@@ -40,6 +45,14 @@ std::map<std::string, CLI::Option*> options_by_key(CLI::App& command) {
 void set_option(CLI::Option& option, const FileSetting& setting,
                 const std::vector<std::string>& values) {
   option.clear();
+  try {
+    option.get_validator("ending")->active(true);
+  } catch (const CLI::OptionNotFound&) {
+  }
+  if (option.get_items_expected_max() == 0 && values != std::vector<std::string>{"true"} &&
+      values != std::vector<std::string>{"false"})
+    throw InputError(setting.position,
+                     setting.key + ": true or false, not '" + CLI::detail::join(values, ",") + "'");
   if (option.get_items_expected_max() > 1)
     option.add_result(values);
   else

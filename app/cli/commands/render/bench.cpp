@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <iostream>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <sstream>
 
 #include "commands/commands.h"
@@ -179,8 +180,7 @@ int run_bench(const Arguments& arguments, const std::stop_token& stop) {
     throw UsageError("--window reaches beyond the sensor of " + std::to_string(sensor.columns) +
                      " x " + std::to_string(sensor.rows) + " pixels");
   plan.reference.seed = document.scene.render.seed;
-  const CompiledScene compiled =
-      compile(document.scene, medium_loader(), execution, document.positions);
+  const CompiledScene compiled = compile(document, medium_loader(), execution);
   if (!compiled.medium && !compiled.surfaces)
     throw InputError(arguments.scene +
                      " has no flame and no surface: there is no error to measure");

@@ -26,6 +26,7 @@
 #include "peak_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/progress_share.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/image/atomic_file.h"
@@ -38,8 +39,8 @@
 #include "plenoflame/scene/scene_file.h"
 #include "progress_bar.h"
 #include "ranks.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -419,7 +420,7 @@ int render_one(const Picture& picture, RenderRun& run, const std::stop_token& st
   if (options.frames && !options.json && !options.quiet)
     std::cout << frame_line(options.output, result.statistics, compile_seconds) << std::endl;
   else if (options.json || !options.quiet)
-    report.print(options.json);
+    print(report, options.json);
   if (options.white) run.scenes.clear(), run.newest = nullptr;  // its light is not the scene's
   return conclude(picture, result.statistics, execution, rendering_stopped,
                   options.truth && truth_seconds < 0, moments.size() == 1);

@@ -12,7 +12,6 @@
 #include "commands/series/sweep_ranks.h"
 #include "medium_loader.h"
 #include "plenoflame/base/execution.h"
-#include "plenoflame/media/uniform_medium.h"
 #include "plenoflame/render/ranks.h"
 #include "plenoflame/scene/scene_file.h"
 #include "plenoflame/scene/validate.h"
@@ -23,21 +22,6 @@ namespace {
 constexpr char kScene = 'S';  ///< from rank 0: the scene as JSON
 
 }  // namespace
-
-void fill_with_light(CompiledScene& compiled) {
-  const auto fill = [](CompiledScene& path, double radiance) {
-    path.medium = make_uniform_medium(radiance, path.node_count());
-    path.scatterers.clear();
-  };
-  fill(compiled, 1);
-  for (CompiledScene& path : compiled.paths()) {
-    // Each of several wavelengths that stand for a channel sees a share of its light.
-    double sharing = 0;
-    for (const CompiledScene& other : compiled.paths())
-      sharing += other.film_channel == path.film_channel ? 1 : 0;
-    fill(path, 1 / sharing);
-  }
-}
 
 void announce_scene(const Scene& scene, const SceneUse& use, bool white, int threads,
                     Communicator& ranks) {

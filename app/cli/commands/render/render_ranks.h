@@ -7,9 +7,6 @@
 
 namespace plenoflame::cli {
 
-/// The same radiance from everywhere, for a white image.
-void fill_with_light(CompiledScene& compiled);
-
 /// Rank 0 tells the others which scene is rendered next: they compile it, too.
 /// @param threads of each; 0: as many as each thinks best
 void announce_scene(const Scene& scene, const SceneUse& use, bool white, int threads,

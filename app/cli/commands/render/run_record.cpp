@@ -13,9 +13,9 @@
 #include "plenoflame/base/version.h"
 #include "plenoflame/film/checkpoint.h"
 #include "plenoflame/film/reopened.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/scene/scene_differences.h"
 #include "plenoflame/scene/validate.h"
-#include "readable.h"
 
 namespace plenoflame::cli {
 

@@ -14,15 +14,16 @@
 #include "commands/scene/design_filters.h"
 #include "commands/scene/lens_report.h"
 #include "commands/scene_input.h"
-#include "design_report.h"
 #include "messages.h"
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/scene/cameras.h"
+#include "plenoflame/scene/design_report.h"
 #include "plenoflame/scene/lens_file.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -87,8 +88,66 @@ int run_lens(const DesignArguments& settings) {
     folder.write("lens-fans", ray_fans(d), 3);
     folder.write("lens-fields", field_plots(d), 3);
   }
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
+}
+
+/// Effective resolution against the object's distance: paraxial dashed, by rays solid.
+Plot resolution_plot(const std::vector<ResolutionPoint>& curve, const CameraDesign& d) {
+  Plot plot;
+  plot.title = "Effective resolution: by rays (solid), paraxial (dashed)";
+  plot.x_label = "object distance from the front vertex [m]";
+  plot.y_label = "pixels kept along one axis";
+  plot.log_x = plot.log_y = false;
+  for (std::size_t k = 0; k < d.types.size(); ++k) {
+    PlotSeries paraxial{"", {}, plot_colour(k), PlotStyle::dashed};
+    PlotSeries traced{d.types[k].name, {}, plot_colour(k), PlotStyle::line};
+    for (const ResolutionPoint& p : curve) {
+      paraxial.points.emplace_back(p.object_distance, p.paraxial[k]);
+      traced.points.emplace_back(p.object_distance, p.traced[k]);
+    }
+    plot.series.push_back(std::move(paraxial));
+    plot.series.push_back(std::move(traced));
+  }
+  return plot;
+}
+
+/// RMS radius of the spot of the main lens over the field, and over the object's distance around
+/// the plane in focus. Empty for an ideal lens.
+std::vector<Plot> spot_plots(const Camera& camera, const CameraDesign& d) {
+  if (camera.ideal_lens()) return {};
+  constexpr int kPoints = 21, kRings = 200;
+  const SensorSpec& sensor = camera.spec().sensor;
+  const double corner = sensor.corner();
+  const auto& surfaces = camera.spec().lens.surfaces;
+  Plot field, distance;
+  field.title = "Spot of the main lens over the field, in its best plane";
+  field.x_label = "paraxial image height [mm]";
+  distance.title = "Spot of the main lens on the axis, in its best plane";
+  distance.x_label = "object distance from the front vertex [m]";
+  field.y_label = distance.y_label = "RMS radius [mm]";
+  field.log_x = field.log_y = distance.log_y = false;
+  PlotSeries over_field{"", {}, plot_colour(0)}, over_distance = over_field;
+  const double nearest = -1.1 * d.lens.front_focal_distance;
+  for (int i = 0; i < kPoints; ++i) {
+    const double height = corner * i / (kPoints - 1);
+    const double from =
+        std::isfinite(d.object_distance) ? std::max(nearest, 0.3 * d.object_distance) : nearest;
+    const double to = std::isfinite(d.object_distance) ? 10 * d.object_distance : 100 * nearest;
+    const double object = from * std::pow(to / from, double(i) / (kPoints - 1));
+    try {
+      over_field.points.emplace_back(
+          1e3 * height, 1e3 * best_spot(surfaces, d.object_distance, height, kRings).rms);
+    } catch (const InputError&) {
+    }  // vignetted: no point
+    try {
+      over_distance.points.emplace_back(object, 1e3 * best_spot(surfaces, object, 0, kRings).rms);
+    } catch (const InputError&) {
+    }
+  }
+  field.series = {over_field};
+  distance.series = {over_distance};
+  return {field, distance};
 }
 
 void write_plots(const DesignArguments& settings, const Camera& camera, const CameraDesign& d,
@@ -136,12 +195,8 @@ int run_design(const DesignArguments& settings) {
   Report report;
   if (!scene.camera.name.empty())
     report.add("camera", scene.camera.name, "camera", scene.camera.name);
-  add_main_lens(d, report);
-  add_types(camera, d, report);
-  add_array(camera, d, report);
+  add_design(camera, d, curve, report);
   add_pupil_filters(camera, d, report);
-  add_resolution(curve, d, report);
-  add_spots(d, report);
   if (!scene.windows.empty()) add_windows(camera, scene.windows, report);
   report.add_json("warnings", warnings);
   std::vector<SolvedType> solved;
@@ -151,7 +206,7 @@ int run_design(const DesignArguments& settings) {
     write_scene_file(task.output, replace_camera(whole, changed.camera));
   }
   if (!settings.plots.empty()) write_plots(settings, camera, d, curve, solved);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "camera_optimizer.h"
-#include "design_report.h"
 #include "options.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/design_report.h"
 #include "plenoflame/scene/scene_file.h"
 
 namespace plenoflame::cli {

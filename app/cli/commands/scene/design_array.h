@@ -2,10 +2,10 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/report.h"
 #include "plenoflame/camera/array_solver.h"
 #include "plenoflame/scene/scene.h"
 #include "plot.h"
-#include "report.h"
 
 namespace plenoflame::cli {
 

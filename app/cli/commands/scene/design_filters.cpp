@@ -1,6 +1,7 @@
 #include "commands/scene/design_filters.h"
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "options.h"
 #include "plenoflame/base/constants.h"

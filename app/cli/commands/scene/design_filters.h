@@ -1,6 +1,6 @@
 #pragma once
+#include "plenoflame/base/report.h"
 #include "plenoflame/camera/design.h"
-#include "report.h"
 
 namespace plenoflame::cli {
 

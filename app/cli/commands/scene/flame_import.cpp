@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "choice.h"
 #include "messages.h"
@@ -9,11 +10,12 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/volumes/flame_library.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "progress_bar.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 #include "vtk_commands.h"
 
 namespace plenoflame::cli {
@@ -99,7 +101,7 @@ int run_import(const FlameImportArguments& settings, const std::stop_token& stop
     files.push_back(entry);
   }
   report.add_json("files", files);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

@@ -16,9 +16,10 @@
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/image/open_file.h"
 #include "plenoflame/image/png_file.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/scene/scene_file.h"
-#include "readable.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -120,7 +121,7 @@ int run_info(const InfoArguments& settings) {
           "ray paths (.vtp, .csv, .json), picture (.png)");
     }
   }
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

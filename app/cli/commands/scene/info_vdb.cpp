@@ -1,4 +1,6 @@
 #include "commands/scene/info.h"
+
+#include <nlohmann/json.hpp>
 #include "options.h"
 #include "plenoflame/volumes/vdb_info.h"
 

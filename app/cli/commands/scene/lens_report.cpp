@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
-#include "design_report.h"
 #include "options.h"
 #include "plenoflame/base/constants.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/optics/glass.h"
+#include "plenoflame/scene/design_report.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "plenoflame/scene/lens_file.h"
 #include "plenoflame/scene/scene_file.h"

@@ -2,9 +2,9 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/report.h"
 #include "plenoflame/camera/lens_design.h"
 #include "plot.h"
-#include "report.h"
 
 namespace plenoflame::cli {
 

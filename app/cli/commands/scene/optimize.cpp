@@ -10,6 +10,7 @@
 #include "plenoflame/scene/cameras.h"
 #include "plenoflame/scene/scene_file.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -29,7 +30,7 @@ int run_optimize(const OptimizeArguments& settings, const std::stop_token& stop)
   for (const std::string& warning : warnings) warn(warning);
   write_scene_file(settings.output, replace_camera(whole, found.camera));
   found.report.add("scene", settings.output, "scene", settings.output);
-  found.report.print(settings.json);
+  print(found.report, settings.json);
   return kSuccess;
 }
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "report.h"
+#include "plenoflame/base/report.h"
 
 namespace plenoflame::cli {
 

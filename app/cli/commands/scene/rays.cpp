@@ -19,9 +19,10 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -140,8 +141,7 @@ int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
   execution.message = [](Severity severity, const std::string& text) {
     if (severity == Severity::warning) warn(text);
   };
-  const CompiledScene scene =
-      compile(document.scene, medium_loader(), execution, document.positions);
+  const CompiledScene scene = compile(document, medium_loader(), execution);
   const std::vector<Pixel> drawn = random_pixels(document.scene.camera.sensor, random, render.seed);
   pixels.insert(pixels.end(), drawn.begin(), drawn.end());
 
@@ -161,7 +161,7 @@ int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
   write_ray_paths(settings.output, paths);
   Report report;
   report_ray_counts(counts_of(paths), report);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

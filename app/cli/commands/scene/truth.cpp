@@ -12,12 +12,13 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/lightfield/ground_truth.h"
 #include "plenoflame/render/projections.h"
 #include "progress_bar.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -100,7 +101,7 @@ int run_truth(const TruthArguments& settings, const std::stop_token& stop) {
   if (settings.output.empty() && settings.attach.empty() && settings.chief.empty()) {
     bar.finish();
     files.commit();
-    report.print(settings.json);
+    print(report, settings.json);
     return kSuccess;
   }
   check_raw_image(field, document.scene.camera, settings.input);
@@ -128,7 +129,7 @@ int run_truth(const TruthArguments& settings, const std::stop_token& stop) {
       "spacing",
       readable_number(images.spacing() / document.scene.camera.sensor.pixel_pitch) + " pixels",
       "spacing_pixels", images.spacing() / document.scene.camera.sensor.pixel_pitch);
-  report.print(settings.json);
+  print(report, settings.json);
   return kSuccess;
 }
 

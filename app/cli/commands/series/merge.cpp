@@ -15,11 +15,12 @@
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plenoflame/inverse/csr_matrix.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -66,7 +67,7 @@ void merge_pictures(const MergeArguments& arguments, const std::stop_token& stop
     report.add_json("relative_error_bound", error.bound);
   }
   report.add("written", arguments.output, "output", arguments.output);
-  report.print(arguments.json);
+  print(report, arguments.json);
 }
 
 bool is_matrix(const std::string& file) {
@@ -84,7 +85,7 @@ void merge_matrices(const MergeArguments& arguments) {
   report.add("rows", std::to_string(all.rows()), "rows", all.rows());
   report.add("entries", std::to_string(all.entries()), "entries", all.entries());
   report.add("written", arguments.output, "output", arguments.output);
-  report.print(arguments.json);
+  print(report, arguments.json);
 }
 
 int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
@@ -97,7 +98,7 @@ int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
                arguments.files.size());
     report.add_json("beyond_lattice", beyond);
     report.add("written", arguments.output, "output", arguments.output);
-    report.print(arguments.json);
+    print(report, arguments.json);
     return kSuccess;
   }
   check_writable(arguments.output);

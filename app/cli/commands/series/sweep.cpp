@@ -12,11 +12,12 @@
 #include "commands/series/sweep_set.h"
 #include "messages.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/atomic_file.h"
 #include "progress_bar.h"
 #include "ranks.h"
-#include "report.h"
 #include "run.h"
+#include "terminal.h"
 
 namespace plenoflame::cli {
 namespace {
@@ -116,7 +117,7 @@ int run_sweep(const SweepArguments& arguments, JobCommunicator* ranks,
   report.add("for testing", fmt::format("{}", tests), "test_runs", tests);
   report.add_json("beyond_lattice", beyond);
   report.add("written", plan.folder, "output", plan.folder);
-  if (arguments.render.options.json || !quiet) report.print(arguments.render.options.json);
+  if (arguments.render.options.json || !quiet) print(report, arguments.render.options.json);
   return kSuccess;
 }
 

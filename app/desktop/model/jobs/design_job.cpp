@@ -1,7 +1,7 @@
 #include "model/jobs/design_job.h"
 
-#include "design_report.h"
 #include "plenoflame/base/error.h"
+#include "plenoflame/scene/design_report.h"
 #include "plenoflame/scene/glass_indices.h"
 
 namespace plenoflame::desktop {
@@ -16,15 +16,9 @@ DesignResult design_result(const Scene& given, bool traced) {
   out.figures = traced ? design(camera) : first_order_design(camera);
   warnings.insert(warnings.end(), out.figures.warnings.begin(), out.figures.warnings.end());
   for (const std::string& warning : warnings) out.warnings << QString::fromStdString(warning);
+  if (traced) out.resolution = design_curve(camera, scene);
   Report report;
-  add_main_lens(out.figures, report);
-  add_types(camera, out.figures, report);
-  add_array(camera, out.figures, report);
-  if (traced) {
-    out.resolution = design_curve(camera, scene);
-    add_resolution(out.resolution, out.figures, report);
-    add_spots(out.figures, report);
-  }
+  add_design(camera, out.figures, out.resolution, report);
   out.lines = report.lines();
   return out;
 }

@@ -9,6 +9,7 @@
 #include "plenoflame/render/describe.h"
 #include "plenoflame/render/render_request.h"
 #include "plenoflame/volumes/load_medium.h"
+#include "reconstruct_settings.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -42,16 +43,16 @@ const std::vector<double>* truth_of(const std::string& name, const FlameTruth* t
   return values && !values->empty() ? values : nullptr;
 }
 
-ReconstructFields fields_of(const ReconstructionTask& task) {
-  const Unknowns& unknowns = task.unknowns();
+ReconstructFields fields_of(const FlameReconstruction& found) {
+  const Unknowns& unknowns = found.unknowns();
   AffineTransform transform;
   const IndexBox box = box_of_all(unknowns, transform);
   ReconstructFields out;
   out.place = voxel_place(transform, box);
-  for (const ReconstructedField& field : reconstructed_fields(task.result())) {
+  for (const ReconstructedField& field : reconstructed_fields(found.result)) {
     ReconstructFields::Field entry{
         field.name, field.unit, dense(unknowns, *field.values, box), {}, 0};
-    if (const auto* truth = truth_of(field.name, task.truth()))
+    if (const auto* truth = truth_of(field.name, found.reconstructor->truth()))
       entry.truth = dense(unknowns, *truth, box);
     entry.largest = std::max(largest_of(entry.found), largest_of(entry.truth));
     out.fields.push_back(std::move(entry));
@@ -208,33 +209,36 @@ void ReconstructJob::run(const std::shared_ptr<Run>& run, const std::stop_token&
     });
   };
   try {
-    auto task = std::make_shared<ReconstructionTask>(SettingNames::Style::words);
-    for (const auto& [name, text] : run->options) task->set_option(name, text);
+    ReconstructRequest request;
+    request.unknowns.names = kWordNames;
+    for (const auto& [name, text] : run->options) set_option(request, name, text);
+    std::vector<CameraPicture> pictures;
     for (const ReconstructSource& source : run->sources) {
       say(tr("reading camera and picture: %1").arg(QString::fromStdString(source.what)));
       auto scene = std::make_shared<const CompiledScene>(
           compile(Document::at_moment(source.scene, source.time), load_medium, execution,
                   source.scene.positions));
       const auto picture = picture_of(source, *scene, execution);
-      task->add_camera([scene](const Execution&) { return scene; }, source.camera, *picture,
-                       source.what);
+      pictures.push_back({scene, *picture, camera_text(source.camera), source.what});
     }
     say(tr("following rays"));
     run->begun = std::chrono::steady_clock::now();
     execution.progress = [&](const Progress& progress) { tell_share(run, progress.fraction); };
-    task->run(execution, [&](const ReconstructionState& state, const Unknowns& unknowns) {
-      watch(run, state, unknowns);
-    });
-    auto fields = std::make_shared<const ReconstructFields>(fields_of(*task));
-    post(this, [this, run, task, fields, trials = run->trials, solution = run->solution] {
+    const std::shared_ptr<const FlameReconstruction> found =
+        reconstruct_flame(request, std::move(pictures), execution,
+                          [&](const ReconstructionState& state, const Unknowns& unknowns) {
+                            watch(run, state, unknowns);
+                          });
+    auto fields = std::make_shared<const ReconstructFields>(fields_of(*found));
+    post(this, [this, run, found, fields, trials = run->trials, solution = run->solution] {
       if (run != run_) return;
       trials_ << trials;
       solution_ << solution;
       fields_ = fields;
-      result_ = task;
-      report_ = QString::fromStdString(task->report_text());
-      text_ = task->result().figures.complete ? tr("finished")
-                                              : tr("stopped: this is what was reached by then");
+      result_ = found;
+      report_ = QString::fromStdString(found->report.text());
+      text_ = found->result.figures.complete ? tr("finished")
+                                             : tr("stopped: this is what was reached by then");
       set_state(State::finished);
       emit progressed();
     });

@@ -12,7 +12,7 @@
 #include "model/jobs/latest_task.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/scene/scene_file.h"
-#include "reconstruction_task.h"
+#include "plenoflame/volumes/reconstructor.h"
 #include "voxel_arrays.h"
 
 namespace plenoflame::desktop {
@@ -68,7 +68,7 @@ class ReconstructJob : public QObject {
   /// The iterate while it runs, then the result; null: there is none yet.
   const std::shared_ptr<const ReconstructFields>& fields() const { return fields_; }
   /// Null unless it is finished. Not changed any more.
-  const std::shared_ptr<const ReconstructionTask>& result() const { return result_; }
+  const std::shared_ptr<const FlameReconstruction>& result() const { return result_; }
   const QString& report() const { return report_; }
 
  signals:
@@ -90,7 +90,7 @@ class ReconstructJob : public QObject {
   double share_ = 0, remaining_seconds_ = -1;
   bool stopping_ = false;
   std::shared_ptr<const ReconstructFields> fields_;
-  std::shared_ptr<const ReconstructionTask> result_;
+  std::shared_ptr<const FlameReconstruction> result_;
   std::shared_ptr<Run> run_;
   LatestTask task_{Urgency::work};  ///< last: it ends first
 };

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "readable.h"
+#include "plenoflame/math/readable.h"
 #include "widgets/image/image_view.h"
 
 namespace plenoflame::desktop {

@@ -18,7 +18,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/cameras.h"
-#include "reconstruct_request.h"
+#include "plenoflame/volumes/reconstruct_request.h"
 #include "widgets/controls/file_chooser.h"
 #include "widgets/controls/flow_layout.h"
 #include "widgets/controls/plot_widget.h"

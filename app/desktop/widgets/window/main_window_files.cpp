@@ -347,14 +347,16 @@ void MainWindow::export_rays() {
 }
 
 void MainWindow::save_reconstruction() {
-  const auto task = reconstruct_->job().result();
-  if (!task) return fail(tr("There is no reconstruction yet."));
+  const auto found = reconstruct_->job().result();
+  if (!found) return fail(tr("There is no reconstruction yet."));
   const QString name =
       chooser_.file_to_write(this, tr("Save what was found"), "found.vdb", tr("OpenVDB (*.vdb)"));
   if (name.isEmpty()) return;
   files_->add(
       tr("saving what was found"),
-      [name, task](const Execution&) { task->write(name.toStdString()); },
+      [name, found](const Execution&) {
+        write_estimate(name.toStdString(), found->result, found->unknowns());
+      },
       [this, name] { say_written(name); });
 }
 

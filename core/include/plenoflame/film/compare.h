@@ -16,7 +16,8 @@ namespace plenoflame {
 /// An image without standard errors counts as exact; errors of different pixels count as
 /// independent.
 struct Comparison {
-  PixelWindow window;  ///< common part of both
+  PixelWindow window;   ///< common part of both
+  std::string caution;  ///< why the difference means little: two units. Empty: nothing is wrong
   std::size_t lit_pixels = 0;
   double mean = 0;            ///< [W] of a, over lit pixels
   double reference_mean = 0;  ///< [W] of the reference, over lit pixels

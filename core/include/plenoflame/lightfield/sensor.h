@@ -44,7 +44,7 @@ double electrons_per_joule(const SensorSpec& sensor, double wavelength);
 inline constexpr double kAutomaticFill = 0.95;
 
 /// Exposure [s] after which all but 0.1 % of the lit pixels hold at most kAutomaticFill of the full
-/// well. 0 if no pixel is lit.
+/// well. The converter's bits may hold less than that. 0 if no pixel is lit.
 /// @param channels as of expose()
 double automatic_exposure(const std::vector<SensorChannel>& channels, const SensorSpec& sensor);
 

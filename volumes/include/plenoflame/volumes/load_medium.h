@@ -14,4 +14,9 @@ std::shared_ptr<const Medium> load_medium(const FlameSpec& flame, const std::str
                                           const std::vector<SourceFunction>& channels,
                                           const Execution& execution);
 
+/// compile() of a document with this loader: flames of any kind.
+CompiledScene compile_scene(const SceneDocument& document, const Execution& execution = {},
+                            const EarlierScenes& earlier = {},
+                            const std::vector<IssueCode>& unsaid = {});
+
 }  // namespace plenoflame

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "plenoflame/inverse/axis_fit.h"
-#include "reconstructor.h"
+#include "plenoflame/volumes/reconstructor.h"
 
 /// Block and axis of the unknowns by the pictures, before they are solved for.
 namespace plenoflame {

@@ -1,4 +1,4 @@
-#include "readable.h"
+#include "plenoflame/math/readable.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "reconstruct_result.h"
+#include "plenoflame/inverse/unknowns_request.h"
+#include "plenoflame/volumes/reconstruct_result.h"
 
 /// A reconstruction in words: what a reader may believe, and what is wrong.
 namespace plenoflame {
@@ -16,19 +17,18 @@ struct MeanDeviations {
 };
 MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& unknowns);
 
-/// How well the flame is known, and what is wrong with the model. @param kind "voxels", "rings" or
-/// "layers" @param cameras their names
-std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
-                    const std::string& kind, const std::vector<std::string>& cameras);
+/// How well the flame is known, and what is wrong with the model. @param cameras their
+/// names
+std::string verdict(const ReconstructResult& result, const Unknowns& unknowns, UnknownKind kind,
+                    const std::vector<std::string>& cameras);
 
 /// A sentence for each quantity that was corrected.
-std::vector<std::string> what_was_corrected(const ReconstructResult& result,
-                                            const std::string& kind,
+std::vector<std::string> what_was_corrected(const ReconstructResult& result, UnknownKind kind,
                                             const std::vector<std::string>& cameras);
 
 /// A sentence for each thing that the pictures say is wrong: a block that cuts the flame, and
 /// quantities of cameras and flame.
-std::vector<std::string> what_is_wrong(const ReconstructResult& result, const std::string& kind,
+std::vector<std::string> what_is_wrong(const ReconstructResult& result, UnknownKind kind,
                                        const std::vector<std::string>& cameras);
 
 }  // namespace plenoflame

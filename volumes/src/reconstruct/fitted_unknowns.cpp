@@ -1,9 +1,8 @@
-#include "fitted_unknowns.h"
+#include "reconstruct/fitted_unknowns.h"
 
 #include <algorithm>
 #include <exception>
 
-#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
 #include "plenoflame/inverse/flame_block.h"
@@ -76,7 +75,7 @@ std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<
     if (holds(known, found)) return {};
     return found;
   } catch (const std::exception&) {
-    return {};  // the flame that was found is kept
+    return {};  // the flame stays as it is
   }
 }
 
@@ -92,10 +91,7 @@ FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& 
   FlameAxis start;
   start.base = 0.5 * (box.lower + box.upper);
   start.direction = {0, 0, 1};
-  if (!request.axis.empty() && !request.fits_axis()) {
-    const auto [x, y, z] = point_option(request.names("axis"), request.axis);
-    start.direction = {x, y, z};
-  }
+  if (request.axis) start.direction = *request.axis;
   MeasuredRows measured = measured_rows(measurements, rays, 1);
   take_away(light_behind(views, rays, *unknowns, {}, how, execution), measured);
   return fit_axis(rays, measured, start);

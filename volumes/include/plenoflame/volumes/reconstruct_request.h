@@ -3,10 +3,11 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "plenoflame/inverse/operator_problem.h"
 #include "plenoflame/inverse/thermal_reconstruction.h"
-#include "unknowns_request.h"
 
 namespace plenoflame {
 
@@ -24,27 +25,33 @@ struct EarlierResult {
   std::string shape;                                      ///< shape_text(); empty: not stated
 };
 
-/// A request for a reconstruction; all front ends fill it. Empty texts stand for defaults.
+/// A request for a reconstruction.
 struct ReconstructRequest {
   UnknownsRequest unknowns;
-  std::string find = "emission", channel;
-  double absorption_error = 0, noise = 0;
-  std::string ratio, support;  ///< support: a file
-  bool all = false;
-  std::string solver = "fista", smoothing;
+  Sought find = Sought::emission;
+  std::vector<std::string> channels;  ///< empty: the pictures' first; for both the first two
+  double absorption_error = 0;        ///< relative deviation of a known absorption
+  double noise = 0;                   ///< added to each pixel's own, as a share of the largest
+  /// Absorption of the further channels over that of the first; empty: as that of soot.
+  std::vector<double> absorption_ratios;
+  std::string support;  ///< .vdb file whose first grid is 0 where nothing is
+  bool all = false;     ///< also places behind dark pixels
+  ReconstructionSolver solver = ReconstructionSolver::fista;
+  std::vector<double> smoothing;  ///< weight of the penalty along each axis; empty: 1
   std::optional<double> strength = {};
   int iterations = 300;
   std::optional<int> subsets = {};
   std::optional<double> relaxation = {};
-  std::string prior, start, resume;  ///< files
+  std::string prior, start, resume;  ///< .vdb files; empty: none
   int rays = 64;
   int bin = 1;  ///< of rows: N, kMicroImage, kView
   int cells = 3, draws = 30, probes = 16;
-  std::vector<std::string> spreads;
-  std::string refine;  ///< "exposure,pose,focus,axis", or some of them
-  int memory = 2000;   ///< [MB]
-  std::string form = "auto";
-  bool truth = false;
+  std::vector<Vec3> spreads;        ///< [m] places whose point spreads are told
+  std::vector<SuspectKind> refine;  ///< quantities of cameras that are corrected
+  bool refine_axis = false;         ///< the rings' axis as well, before the flame is found
+  int memory = 2000;                ///< [MB] of the matrix
+  OperatorForm form = OperatorForm::automatic;
+  bool truth = false;  ///< compare with the first scene's flames
   std::optional<std::uint64_t> seed = {};
   /// An operator that was made for the same settings; it must outlive the reconstruction.
   BuiltRows built = {};
@@ -52,24 +59,10 @@ struct ReconstructRequest {
   std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;
 
   const SettingNames& names() const { return unknowns.names; }
-  Sought sought() const;
-  /// Quantities of cameras that may be corrected. @throws UsageError for other words
-  std::vector<SuspectKind> refined() const;
-  /// The rings' axis is corrected before the flame is found.
-  bool refines_axis() const;
-  /// Names of channels; empty: the pictures' first, or for two quantities the first two.
-  std::vector<std::string> channels() const;
 };
 
-/// Names of solvers.
+/// Names of solvers, in their order.
 std::vector<std::string> reconstruction_solvers();
-
-template <>
-std::span<const SettingRow<ReconstructRequest>> setting_rows();
-
-/// Sets a setting of it, or of its unknowns, by its name; flags take true or false. Repeated
-/// settings are added. @throws UsageError for an unknown name and for numbers out of range
-void set_option(ReconstructRequest& request, const std::string& name, const std::string& text);
 
 /// Settings for core; nothing that cannot work passes, before anything is read or followed.
 /// @throws UsageError

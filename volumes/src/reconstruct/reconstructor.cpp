@@ -1,4 +1,4 @@
-#include "reconstructor.h"
+#include "plenoflame/volumes/reconstructor.h"
 
 #include <fmt/format.h>
 
@@ -8,14 +8,15 @@
 #include <sstream>
 #include <utility>
 
-#include "fitted_unknowns.h"
-#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
-#include "reconstruct_verdict.h"
-#include "reconstruct_warnings.h"
+#include "plenoflame/volumes/reconstruct_verdict.h"
+#include "reconstruct/fitted_unknowns.h"
+#include "reconstruct/reconstruct_report.h"
+#include "reconstruct/reconstruct_warnings.h"
 
 namespace plenoflame {
 namespace {
@@ -28,8 +29,8 @@ constexpr double kUntested = 0.7;
 std::vector<std::string> wanted_channels(const ReconstructRequest& request,
                                          const LightField& picture, const std::string& name,
                                          bool filtered) {
-  std::vector<std::string> names = request.channels();
-  const bool both = request.sought() == Sought::both;
+  std::vector<std::string> names = request.channels;
+  const bool both = request.find == Sought::both;
   if (names.empty()) {
     const std::size_t wanted = both && !(filtered && picture.channels.size() == 1) ? 2 : 1;
     if (picture.channels.size() < wanted)
@@ -82,17 +83,8 @@ std::vector<char> read_support(const std::string& path, const Unknowns& unknowns
 std::vector<double> absorption_ratios(const ReconstructRequest& request,
                                       const ReconstructCameras& cameras) {
   std::vector<double> ratios{1};
-  if (!request.ratio.empty()) {
-    std::istringstream words(request.ratio);
-    for (std::string word; std::getline(words, word, ',');) {
-      std::istringstream number(word);
-      number.imbue(std::locale::classic());
-      double ratio = 0;
-      if (!(number >> ratio) || !number.eof() || !(ratio > 0))
-        throw UsageError(request.names()("absorption-ratios") + ": '" + word +
-                         "' is no number above 0");
-      ratios.push_back(ratio);
-    }
+  if (!request.absorption_ratios.empty()) {
+    ratios.insert(ratios.end(), request.absorption_ratios.begin(), request.absorption_ratios.end());
     if (ratios.size() != cameras.channels.size())
       throw UsageError(fmt::format("{}: {} for {} channels, one less than which are wanted",
                                    request.names()("absorption-ratios"), ratios.size() - 1,
@@ -130,7 +122,7 @@ void check_order(const ReconstructCameras& cameras, const std::vector<LightField
 
 /// @throws UsageError where cameras cannot be refined
 void check_refined(const ReconstructRequest& request, const ReconstructCameras& cameras) {
-  if (request.refined().empty()) return;
+  if (request.refine.empty()) return;
   for (const ReconstructCamera& camera : cameras.cameras)
     if (!camera.scene->camera.pupil_filters().empty())
       throw UsageError(request.names()("refine") + ": " + camera.what +
@@ -156,8 +148,7 @@ void check_fits(const EarlierResult& result, std::size_t unknowns) {
                       values->size(), unknowns));
 }
 
-}  // namespace
-
+/// @throws FileError, InputError: there is none of the grids
 EarlierResult read_earlier_result(const std::string& path, const Unknowns& unknowns) {
   EarlierResult result;
   const std::vector<Vec3> places = places_of(unknowns);
@@ -180,6 +171,8 @@ EarlierResult read_earlier_result(const std::string& path, const Unknowns& unkno
     throw InputError(path + " has no grid 'emission': it is no result of reconstruct");
   return result;
 }
+
+}  // namespace
 
 std::vector<CameraView> ReconstructCameras::views() const {
   std::vector<CameraView> result;
@@ -270,9 +263,9 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
   if (!request_.built.rays)
     request_.unknowns.fitted_block = fitted_block(request_.unknowns, cameras, first[0], execution);
   // The middle of a block by the pictures is no axis yet.
-  const bool no_axis = request_.unknowns.kind == "rings" && request_.unknowns.axis.empty() &&
-                       request_.unknowns.fitted_block;
-  if (request_.unknowns.fits_axis() || request_.refines_axis() || no_axis) {
+  const bool no_axis = request_.unknowns.kind == UnknownKind::rings && !request_.unknowns.axis &&
+                       !request_.unknowns.fits_axis && request_.unknowns.fitted_block;
+  if (request_.unknowns.fits_axis || request_.refine_axis || no_axis) {
     try {
       const FlameAxis axis = fitted_axis(request_.unknowns, cameras, first[0], execution);
       request_.unknowns.fitted_axis = {{axis.base, axis.direction}};
@@ -281,17 +274,12 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
     }
   }
   unknowns_ = unknowns_of(request_.unknowns, scene);
-  const std::size_t quantities = request_.sought() == Sought::both ? 2 : 1;
+  const std::size_t quantities = request_.find == Sought::both ? 2 : 1;
   require_vector_memory(settings_, *unknowns_, quantities * unknowns_->size(), 0);
   absorption_ = absorption_of(request_.unknowns, scene, cameras.channels[0], *unknowns_);
   if (!request_.support.empty()) support_ = read_support(request_.support, *unknowns_);
-  for (const std::string& spread : request_.spreads) {
-    const auto [x, y, z] = point_option(request_.names()("spread"), spread);
-    spreads_.push_back({x, y, z});
-  }
   if (request_.truth)
-    truth_ =
-        flame_truth(scene, cameras.channels[0], *unknowns_, request_.sought() != Sought::emission);
+    truth_ = flame_truth(scene, cameras.channels[0], *unknowns_, request_.find != Sought::emission);
   const auto earlier = [&](const std::shared_ptr<const EarlierResult>& given,
                            const std::string& path) {
     if (!given) return read_earlier_result(path, *unknowns_);
@@ -311,7 +299,7 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
         "another one from a file",
         path, start.shape, shape, request_.names()("resume"), request_.names()("start")));
   if (resumes && !request_.strength) settings_.strength = start.strength;
-  if (request_.sought() == Sought::emission) {
+  if (request_.find == Sought::emission) {
     start_ = samples_of(start.emission, absorption_);
   } else if (start.temperature.empty() || start.absorption.empty()) {
     start_emission_ = start.emission;  // it was stopped before there were temperatures
@@ -334,13 +322,13 @@ ReconstructResult Reconstructor::frame(
     const FrameMeasurements& measurements, const Execution& execution,
     const std::function<void(const ReconstructionState&)>& watch) {
   // Refining takes the first half of the progress.
-  const bool refines = !refinement_ && !request_.refined().empty();
+  const bool refines = !refinement_ && !request_.refine.empty();
   if (refines) refine(measurements, part_of_progress(execution, 0, 0.5));
   const FrameMeasurements corrected = corrected_exposures(measurements, refinement_);
   const Execution rest = refines ? part_of_progress(execution, 0.5, 0.5) : execution;
   settings_.watch = watch;
   ReconstructResult result =
-      request_.sought() == Sought::emission ? linear(corrected, rest) : thermal(corrected, rest);
+      request_.find == Sought::emission ? linear(corrected, rest) : thermal(corrected, rest);
   settings_.watch = nullptr;
   if (refinement_) {
     result.corrections = refinement_->corrections;
@@ -375,8 +363,7 @@ std::vector<CameraSpec> Reconstructor::camera_specs() const {
 }
 
 void Reconstructor::refine(const FrameMeasurements& measurements, const Execution& execution) {
-  refinement_ =
-      refine_cameras(linear_input(measurements), settings_, request_.refined(), execution);
+  refinement_ = refine_cameras(linear_input(measurements), settings_, request_.refine, execution);
   settings_.refined = refinement_->corrections;
   if (!refinement_->settled)
     execution.warn(request_.names()("refine") +
@@ -393,7 +380,7 @@ ReconstructionInput Reconstructor::linear_input(const FrameMeasurements& measure
   input.start = start_;
   input.prior = prior_;
   input.support = support_;
-  input.spread_at = spreads_;
+  input.spread_at = request_.spreads;
   input.built = request_.built;
   return input;
 }
@@ -418,7 +405,7 @@ std::vector<std::vector<ThermalPart>> Reconstructor::parts_of_stop(std::size_t c
   for (const ReconstructCamera& camera : cameras_.cameras) {
     parts.push_back(thermal_parts(camera.scene->scene, channel));
     any = any || !parts.back().empty();
-    if (request_.unknowns.absorption == "scene")
+    if (request_.unknowns.absorption_of_scene)
       take_absorption_of_scene(*camera.scene, channel, *unknowns_, parts.back());
   }
   if (!any) parts.clear();
@@ -473,7 +460,7 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, double s
   settings.probes = std::min(settings.probes, 4);
   settings.strength = strength;
   settings.watch = nullptr;
-  settings.test_absorption = !absorption_.empty();  // one that was found is not tested
+  settings.test_absorption = !absorption_.empty();  // none if it is a result
   try {
     Reconstruction tested = reconstruct(input, settings, execution);
     result.figures.suspects = std::move(tested.suspects);
@@ -495,7 +482,7 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
   Report report;
   std::vector<std::string> cameras;
   for (const ReconstructCamera& camera : cameras_.cameras) cameras.push_back(camera.what);
-  const std::string& kind = request_.unknowns.kind;
+  const UnknownKind kind = request_.unknowns.kind;
   const std::string words = verdict(result, *unknowns_, kind, cameras);
   report.add("in words", words, "verdict", words);
   for (const std::string& line : what_is_wrong(result, kind, cameras)) execution.warn(line);
@@ -525,10 +512,10 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
   if (result.scale_error > 0) {
     const SourceFunction source = channel_source(cameras_.first().scene, cameras_.channels[0]);
     // Two unknown quantities take both channels, whose scales err apart from each other.
-    report_scale(result, request_.sought() == Sought::both ? nullptr : &source, *unknowns_, report);
+    report_scale(result, request_.find == Sought::both ? nullptr : &source, *unknowns_, report);
   }
   if (truth_) report_errors(result.estimate, *truth_, *unknowns_, report);
-  if (cameras.size() == 1 && kind == "voxels")
+  if (cameras.size() == 1 && kind == UnknownKind::voxels)
     warn_single_camera(result.figures, *unknowns_,
                        half_angle(cameras_.first(), *unknowns_, settings_.rays), request_.names(),
                        execution, report);
@@ -539,6 +526,37 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
         "complete", false);
   if (!output.empty()) report.add("written", output, "output", output);
   return report;
+}
+
+std::string camera_text(const std::string& name) {
+  return name.empty() ? "the scene" : "camera \"" + name + "\" of the scene";
+}
+
+std::unique_ptr<const FlameReconstruction> reconstruct_flame(const ReconstructRequest& request,
+                                                             std::vector<CameraPicture> pictures,
+                                                             const Execution& execution,
+                                                             const ReconstructWatch& watch) {
+  static_cast<void>(reconstruction_settings(request, 1));  // before any work
+  if (pictures.empty()) throw UsageError("a reconstruction needs a camera and its picture");
+  std::vector<ReconstructCamera> cameras;
+  std::vector<std::string> names;
+  std::vector<LightField> fields;
+  for (CameraPicture& one : pictures) {
+    cameras.push_back({one.scene, one.camera});
+    names.push_back(one.name);
+    fields.push_back(std::move(one.picture));
+  }
+  auto found = std::make_unique<FlameReconstruction>();
+  found->cameras = reconstruct_cameras(request, std::move(cameras), fields.front(), names);
+  const FrameMeasurements measured = measure_frame(request, found->cameras, fields, names);
+  found->reconstructor =
+      std::make_unique<Reconstructor>(request, found->cameras, measured, execution);
+  warn_of_pictures(measured, names, execution);
+  std::function<void(const ReconstructionState&)> told;
+  if (watch) told = [&](const ReconstructionState& state) { watch(state, found->unknowns()); };
+  found->result = found->reconstructor->frame(measured, execution, told);
+  found->report = found->reconstructor->report(found->result, "", execution);
+  return found;
 }
 
 }  // namespace plenoflame

@@ -1,19 +1,15 @@
-#include "operator_problem.h"
+#include "plenoflame/inverse/operator_problem.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cstdint>
-#include <map>
 #include <numeric>
 
-#include "options.h"
 #include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/film/film.h"
 #include "plenoflame/render/render.h"
-#include "plenoflame/scene/scene_file.h"
-#include "rows_option.h"
 
 namespace plenoflame {
 
@@ -53,34 +49,14 @@ std::vector<int> restrict_to(const Part& part, int bin, std::vector<CameraView>&
 
 }  // namespace
 
-template <>
-std::span<const SettingRow<OperatorRequest>> setting_rows() {
-  using R = OperatorRequest;
-  using enum SettingKind;
-  static const std::vector<SettingRow<R>> rows{
-      {"channel", "NAME", "Channel of the rays' wavelengths; without it, the first", &R::channel},
-      rays_row<R>(),
-      bin_row<R>(),
-      cells_row<R>(),
-      {"seed", "N", "Seed of the rays (default: the scene's)", &R::seed, whole},
-      {"form",
-       "FORM",
-       "rays: kept in memory; drawn: a part at a time; auto: kept if they fit",
-       &R::form,
-       word,
-       {"auto", "rays", "drawn"}}};
-  return rows;
-}
-
-void set_option(OperatorRequest& request, const std::string& name, const std::string& text) {
-  const SettingNames names = request.unknowns.names;
-  if (!set_setting(request, names, name, text) && !set_setting(request.unknowns, names, name, text))
-    throw UsageError("there is no setting " + names(name));
+void take_rows(int bin, int cells, CameraRaySettings& rays) {
+  rays.bin = std::max(bin, 1);
+  rays.cells = bin == kView ? cells : bin == kMicroImage ? 1 : 0;
 }
 
 void check_operator(const OperatorRequest& request) {
   check_unknowns(request.unknowns);
-  if (request.unknowns.fits_axis())
+  if (request.unknowns.fits_axis)
     throw UsageError(request.unknowns.names("axis", "fit") +
                      " needs pictures, as in reconstruct; give a direction");
 }
@@ -93,7 +69,7 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
   const CompiledScene& scene = *scenes.front();
   CameraRaySettings how;
   how.samples = request.rays;
-  take_rows(request, how);
+  take_rows(request.bin, request.cells, how);
   how.seed = request.seed.value_or(scene.scene.render.seed);
   std::size_t channel = 0;
   if (!request.channel.empty()) {
@@ -124,27 +100,13 @@ std::unique_ptr<OperatorProblem> make_operator_problem(
                      "blocks (" +
                      names("bin", "N") + ")");
   const std::vector<int> numbers = restrict_to(part, how.bin, views);
-  const OperatorForm form = request.form == "drawn"  ? OperatorForm::drawn
-                            : request.form == "rays" ? OperatorForm::rays
-                                                     : OperatorForm::automatic;
-  result->rays = rays_of_form(form, views, result->unknowns->bounds(), how, execution);
+  result->rays = rays_of_form(request.form, views, result->unknowns->bounds(), how, execution);
   for (CameraRays::Row& row : result->rays.rows)
     row.view = numbers[static_cast<std::size_t>(row.view)];
   if (result->rays.rows.empty() && part.is_whole())
     throw InputError("no ray of the camera meets the grid, which lies outside of the picture");
   problem.rays = &result->rays;
   return result;
-}
-
-std::string operator_work(const OperatorRequest& request,
-                          const std::vector<const CompiledScene*>& scenes) {
-  std::string text;
-  for (const auto& row : setting_rows<UnknownsRequest>())
-    text += text_of_row(row, request.unknowns) + '\n';
-  for (const auto& row : setting_rows<OperatorRequest>())
-    if (row.name != "form") text += text_of_row(row, request) + '\n';
-  for (const CompiledScene* scene : scenes) text += write_scene(scene->scene);
-  return text;
 }
 
 }  // namespace plenoflame

@@ -5,15 +5,9 @@
 
 #include "plenoflame/inverse/flame_estimate.h"
 #include "plenoflame/inverse/unknowns.h"
-#include "plenoflame/radiometry/source_function.h"
 #include "plenoflame/scene/compile.h"
-#include "report.h"
 
 namespace plenoflame {
-
-/// Half angle under which a camera's rays cross a place [rad]: what separates depths.
-double half_angle(const CompiledScene& scene, const Unknowns& unknowns,
-                  const CameraRaySettings& settings);
 
 /// Results of one frame of a reconstruction.
 struct ReconstructResult {
@@ -22,7 +16,7 @@ struct ReconstructResult {
   std::vector<double> resolved_absorption;  ///< where it was solved for
   /// Relative standard error of all of the pictures' light together; no deviation holds it.
   double scale_error = 0;
-  std::vector<Suspect> corrections;  ///< of --refine: what the scenes had wrong
+  std::vector<Suspect> corrections;  ///< of refined cameras: what the scenes had wrong
   bool settled = true;               ///< false: the corrections still moved at their end
   /// A block that would hold the flame, where that of the unknowns cuts it.
   std::optional<Box> uncut_block = {};
@@ -44,7 +38,7 @@ VoxelField on_voxels(const ReconstructedField& field, const Unknowns& unknowns);
 /// Numbers of unknowns along the axes: "16 x 32 x 1".
 std::string shape_text(const Unknowns& unknowns);
 
-/// Everything that was found, as grids of one file, under a temporary name that is renamed.
+/// The result as grids of one file. The file appears as a whole, or not.
 /// @throws FileError
 void write_estimate(const std::string& path, const ReconstructResult& result,
                     const Unknowns& unknowns);
@@ -58,21 +52,5 @@ struct FlameTruth {
 /// pupil_transmission()
 FlameTruth flame_truth(const CompiledScene& scene, std::size_t channel, const Unknowns& unknowns,
                        bool temperatures);
-void report_errors(const FlameEstimate& estimate, const FlameTruth& truth, const Unknowns& unknowns,
-                   Report& report);
-
-/// The tests of the cameras, named or not, and what was corrected. @param cameras their names
-void report_suspects(const ReconstructResult& result, const std::vector<std::string>& cameras,
-                     Report& report);
-
-/// Reports the effect of the pictures' common error of light on emission, and on the temperature
-/// that follows from it.
-/// @param source of the channel; nullptr: no temperature follows from the emission
-void report_scale(const ReconstructResult& result, const SourceFunction* source,
-                  const Unknowns& unknowns, Report& report);
-
-/// The figures of a reconstruction.
-void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
-                           const Unknowns& unknowns, Report& report);
 
 }  // namespace plenoflame

@@ -1,23 +1,29 @@
 #pragma once
-#include <algorithm>
+#include <string>
 
-#include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/base/error.h"
+#include "plenoflame/inverse/operator_problem.h"
 #include "plenoflame/render/render.h"
 #include "settings.h"
 
+/// The settings of operators and reconstructions by name and text.
 namespace plenoflame {
 
-/// Pixels of a row: N x N, or these.
-inline constexpr int kMicroImage = -1, kView = -2;
+template <>
+std::span<const SettingRow<UnknownsRequest>> setting_rows();
+template <>
+std::span<const SettingRow<OperatorRequest>> setting_rows();
 
-/// Sets the pixels that make a row of a linear problem.
+/// Sets a setting of a request, or of its unknowns, by its name; flags take true or false. Repeated
+/// settings are added. @throws UsageError for an unknown name and for numbers out of range
 template <class Request>
-void take_rows(const Request& request, CameraRaySettings& rays) {
-  rays.bin = std::max(request.bin, 1);
-  rays.cells = request.bin == kView ? request.cells : request.bin == kMicroImage ? 1 : 0;
+void set_option(Request& request, const std::string& name, const std::string& text) {
+  const SettingNames names = request.unknowns.names;
+  if (!set_setting(request, names, name, text) && !set_setting(request.unknowns, names, name, text))
+    throw UsageError("there is no setting " + names(name));
 }
 
-/// The rows of settings that operators and reconstructions share.
+/// The rows that operators and reconstructions share.
 template <class Request>
 SettingRow<Request> rays_row() {
   return {"rays",

@@ -1,18 +1,20 @@
-#include "reconstruct_result.h"
+#include "plenoflame/volumes/reconstruct_result.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numeric>
 
-#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/measurement.h"
+#include "plenoflame/inverse/unknowns_request.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/scene/pupil_transmission.h"
 #include "plenoflame/volumes/grid_writer.h"
-#include "reconstruct_verdict.h"
-#include "unknowns_request.h"
+#include "plenoflame/volumes/reconstruct_verdict.h"
+#include "reconstruct/reconstruct_report.h"
 
 namespace plenoflame {
 

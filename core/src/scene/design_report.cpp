@@ -1,12 +1,13 @@
-#include "design_report.h"
+#include "plenoflame/scene/design_report.h"
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/camera/window_design.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/scene/channel_kinds.h"
-#include "readable.h"
 
 namespace plenoflame {
 namespace {
@@ -34,6 +35,9 @@ std::string array_range_text(double near, double far) {
          (passes_infinity(near, far) ? " (through infinity)" : "");
 }
 
+namespace {
+
+/// A distance in the scene; negative ones lie past infinity.
 std::string object_text(double value) {
   return value < 0 ? "past infinity" : length_text(value);
 }
@@ -53,11 +57,6 @@ std::string overlap_text(double pixels) {
 
 std::string place_text(double behind, const std::string& vertex) {
   return length_text(std::fabs(behind)) + (behind < 0 ? " in front of " : " behind ") + vertex;
-}
-
-std::vector<ResolutionPoint> design_curve(const Camera& camera, const Scene& scene) {
-  constexpr int kCurvePoints = 61;
-  return resolution_curve(camera, kCurvePoints, own_wavelength(scene.channels.front()));
 }
 
 void add_main_lens(const CameraDesign& d, Report& report) {
@@ -202,36 +201,6 @@ void add_spots(const CameraDesign& d, Report& report) {
   report.add_json("spots", spots);
 }
 
-void add_windows(const Camera& camera, const std::vector<WindowSpec>& windows, Report& report) {
-  nlohmann::json list = nlohmann::json::array();
-  const auto add = [&](const std::string& label, const std::vector<WindowSpec>& of) {
-    const WindowDesign d = window_design(camera, WindowSet(of));
-    if (!d.crossed) {
-      report.add_text(label, "not between the lens and a point in focus on the axis");
-      list.push_back({{"name", label}, {"crossed", false}});
-      return;
-    }
-    // Less than a picometre is rounding.
-    const auto length = [](double value) {
-      return length_text(std::fabs(value) < 1e-12 ? 0 : value);
-    };
-    report.add_text(label, "moves the focus by " + length(d.shift_x) + " (camera x) and " +
-                               length(d.shift_y) + " (y), astigmatism " + length(d.astigmatism()) +
-                               ", aside by " + length(d.displacement) + ", takes " +
-                               readable_number(100 * d.loss) + " % of the light");
-    list.push_back({{"name", label},
-                    {"crossed", true},
-                    {"shift_x_m", d.shift_x},
-                    {"shift_y_m", d.shift_y},
-                    {"astigmatism_m", d.astigmatism()},
-                    {"displacement_m", d.displacement},
-                    {"loss", d.loss}});
-  };
-  for (std::size_t i = 0; i < windows.size(); ++i) add(window_name(windows, i), {windows[i]});
-  if (windows.size() > 1) add("all windows", windows);
-  report.add_json("windows", list);
-}
-
 void add_resolution(const std::vector<ResolutionPoint>& curve, const CameraDesign& d,
                     Report& report) {
   if (curve.empty()) return;
@@ -262,59 +231,50 @@ void add_resolution(const std::vector<ResolutionPoint>& curve, const CameraDesig
                                                 "the total covering plane)");
 }
 
-Plot resolution_plot(const std::vector<ResolutionPoint>& curve, const CameraDesign& d) {
-  Plot plot;
-  plot.title = "Effective resolution: by rays (solid), paraxial (dashed)";
-  plot.x_label = "object distance from the front vertex [m]";
-  plot.y_label = "pixels kept along one axis";
-  plot.log_x = plot.log_y = false;
-  for (std::size_t k = 0; k < d.types.size(); ++k) {
-    PlotSeries paraxial{"", {}, plot_colour(k), PlotStyle::dashed};
-    PlotSeries traced{d.types[k].name, {}, plot_colour(k), PlotStyle::line};
-    for (const ResolutionPoint& p : curve) {
-      paraxial.points.emplace_back(p.object_distance, p.paraxial[k]);
-      traced.points.emplace_back(p.object_distance, p.traced[k]);
-    }
-    plot.series.push_back(std::move(paraxial));
-    plot.series.push_back(std::move(traced));
-  }
-  return plot;
+}  // namespace
+
+std::vector<ResolutionPoint> design_curve(const Camera& camera, const Scene& scene) {
+  constexpr int kCurvePoints = 61;
+  return resolution_curve(camera, kCurvePoints, own_wavelength(scene.channels.front()));
 }
 
-std::vector<Plot> spot_plots(const Camera& camera, const CameraDesign& d) {
-  if (camera.ideal_lens()) return {};
-  constexpr int kPoints = 21, kRings = 200;
-  const SensorSpec& sensor = camera.spec().sensor;
-  const double corner = sensor.corner();
-  const auto& surfaces = camera.spec().lens.surfaces;
-  Plot field, distance;
-  field.title = "Spot of the main lens over the field, in its best plane";
-  field.x_label = "paraxial image height [mm]";
-  distance.title = "Spot of the main lens on the axis, in its best plane";
-  distance.x_label = "object distance from the front vertex [m]";
-  field.y_label = distance.y_label = "RMS radius [mm]";
-  field.log_x = field.log_y = distance.log_y = false;
-  PlotSeries over_field{"", {}, plot_colour(0)}, over_distance = over_field;
-  const double nearest = -1.1 * d.lens.front_focal_distance;
-  for (int i = 0; i < kPoints; ++i) {
-    const double height = corner * i / (kPoints - 1);
-    const double from =
-        std::isfinite(d.object_distance) ? std::max(nearest, 0.3 * d.object_distance) : nearest;
-    const double to = std::isfinite(d.object_distance) ? 10 * d.object_distance : 100 * nearest;
-    const double object = from * std::pow(to / from, double(i) / (kPoints - 1));
-    try {
-      over_field.points.emplace_back(
-          1e3 * height, 1e3 * best_spot(surfaces, d.object_distance, height, kRings).rms);
-    } catch (const InputError&) {
-    }  // vignetted: no point
-    try {
-      over_distance.points.emplace_back(object, 1e3 * best_spot(surfaces, object, 0, kRings).rms);
-    } catch (const InputError&) {
+void add_design(const Camera& camera, const CameraDesign& d,
+                const std::vector<ResolutionPoint>& curve, Report& report) {
+  add_main_lens(d, report);
+  add_types(camera, d, report);
+  add_array(camera, d, report);
+  add_resolution(curve, d, report);
+  add_spots(d, report);
+}
+
+void add_windows(const Camera& camera, const std::vector<WindowSpec>& windows, Report& report) {
+  nlohmann::json list = nlohmann::json::array();
+  const auto add = [&](const std::string& label, const std::vector<WindowSpec>& of) {
+    const WindowDesign d = window_design(camera, WindowSet(of));
+    if (!d.crossed) {
+      report.add_text(label, "not between the lens and a point in focus on the axis");
+      list.push_back({{"name", label}, {"crossed", false}});
+      return;
     }
-  }
-  field.series = {over_field};
-  distance.series = {over_distance};
-  return {field, distance};
+    // Less than a picometre is rounding.
+    const auto length = [](double value) {
+      return length_text(std::fabs(value) < 1e-12 ? 0 : value);
+    };
+    report.add_text(label, "moves the focus by " + length(d.shift_x) + " (camera x) and " +
+                               length(d.shift_y) + " (y), astigmatism " + length(d.astigmatism()) +
+                               ", aside by " + length(d.displacement) + ", takes " +
+                               readable_number(100 * d.loss) + " % of the light");
+    list.push_back({{"name", label},
+                    {"crossed", true},
+                    {"shift_x_m", d.shift_x},
+                    {"shift_y_m", d.shift_y},
+                    {"astigmatism_m", d.astigmatism()},
+                    {"displacement_m", d.displacement},
+                    {"loss", d.loss}});
+  };
+  for (std::size_t i = 0; i < windows.size(); ++i) add(window_name(windows, i), {windows[i]});
+  if (windows.size() > 1) add("all windows", windows);
+  report.add_json("windows", list);
 }
 
 }  // namespace plenoflame

@@ -1,8 +1,8 @@
 #pragma once
 #include "plenoflame/base/execution.h"
+#include "plenoflame/base/report.h"
+#include "plenoflame/base/setting_names.h"
 #include "plenoflame/inverse/reconstruction.h"
-#include "report.h"
-#include "settings.h"
 
 /// Warnings of what the figures of a reconstruction say against it.
 namespace plenoflame {

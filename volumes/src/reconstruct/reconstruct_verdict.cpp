@@ -1,4 +1,4 @@
-#include "reconstruct_verdict.h"
+#include "plenoflame/volumes/reconstruct_verdict.h"
 
 #include <fmt/format.h>
 
@@ -6,9 +6,8 @@
 #include <numbers>
 #include <utility>
 
-#include "options.h"
 #include "plenoflame/inverse/flame_block.h"
-#include "readable.h"
+#include "plenoflame/math/readable.h"
 
 namespace plenoflame {
 namespace {
@@ -26,7 +25,7 @@ std::string amount(const Suspect& suspect, double unit) {
                      suspect.deviation / unit);
 }
 
-std::string sentence(const Suspect& suspect, const std::string& kind, const std::string& camera,
+std::string sentence(const Suspect& suspect, UnknownKind kind, const std::string& camera,
                      std::size_t cameras) {
   const bool more = suspect.estimate > 0;
   switch (suspect.kind) {
@@ -40,7 +39,7 @@ std::string sentence(const Suspect& suspect, const std::string& kind, const std:
       return fmt::format("{}: {} W {} in every row, as of stray light or a wrong dark signal.",
                          camera, amount(suspect, 1), more ? "too much" : "too little");
     case SuspectKind::right:
-      if (cameras == 1 && kind != "voxels")
+      if (cameras == 1 && kind != UnknownKind::voxels)
         return fmt::format("The axis is {} mm too far {} in the picture of {}.",
                            amount(suspect, 1e-3), more ? "right" : "left", camera);
       return fmt::format("{}: it stands {} mm farther {} than the scene says, or is turned{}.",
@@ -90,15 +89,15 @@ MeanDeviations mean_deviations(const FlameEstimate& estimate, const Unknowns& un
   return means;
 }
 
-std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
-                    const std::string& kind, const std::vector<std::string>& cameras) {
+std::string verdict(const ReconstructResult& result, const Unknowns& unknowns, UnknownKind kind,
+                    const std::vector<std::string>& cameras) {
   std::string corrected;
   for (const std::string& line : what_was_corrected(result, kind, cameras)) corrected += ' ' + line;
   if (!result.figures.complete) return "The run was stopped: this is no result yet." + corrected;
   const MeanDeviations means = mean_deviations(result.estimate, unknowns);
   if (!means.emission)
     return "It is not known how far this can be believed: no deviations." + corrected;
-  const std::string one = kind == "voxels" ? "voxel" : kind == "rings" ? "ring" : "layer";
+  const std::string_view one = name_of(kind).substr(0, name_of(kind).size() - 1);
   std::string text =
       fmt::format("The emission of a {} is known to {}", one, readable_percent(*means.emission));
   if (means.temperature)
@@ -112,7 +111,7 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
                                 "noise; the deviations contain that.",
                                 noise)
                           : ". The result explains the pictures within their noise.";
-  if (cameras.size() == 1 && kind == "voxels")
+  if (cameras.size() == 1 && kind == UnknownKind::voxels)
     text = "One camera cannot tell the depth. " + text +
            " Rings need one camera where the flame is round; voxels need several.";
   else if (*means.emission > kHardlyKnown)
@@ -124,8 +123,7 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns,
   return text;
 }
 
-std::vector<std::string> what_was_corrected(const ReconstructResult& result,
-                                            const std::string& kind,
+std::vector<std::string> what_was_corrected(const ReconstructResult& result, UnknownKind kind,
                                             const std::vector<std::string>& cameras) {
   std::vector<std::string> lines;
   for (const Suspect& suspect : result.corrections)
@@ -134,7 +132,7 @@ std::vector<std::string> what_was_corrected(const ReconstructResult& result,
   return lines;
 }
 
-std::vector<std::string> what_is_wrong(const ReconstructResult& result, const std::string& kind,
+std::vector<std::string> what_is_wrong(const ReconstructResult& result, UnknownKind kind,
                                        const std::vector<std::string>& cameras) {
   const Reconstruction& figures = result.figures;
   std::vector<std::string> lines;

@@ -6,13 +6,14 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/report.h"
 #include "plenoflame/image/light_field.h"
 #include "plenoflame/inverse/refine.h"
 #include "plenoflame/scene/compile.h"
-#include "reconstruct_request.h"
-#include "reconstruct_result.h"
+#include "plenoflame/volumes/reconstruct_request.h"
+#include "plenoflame/volumes/reconstruct_result.h"
 
-/// A reconstruction from pictures in memory, as the command, Python and the desktop run it.
+/// Reconstructions from pictures in memory: one at once, or frame after frame.
 namespace plenoflame {
 
 /// A camera whose pictures are reconstructed from.
@@ -65,7 +66,7 @@ class Reconstructor {
                 const FrameMeasurements& first, const Execution& execution);
 
   const Unknowns& unknowns() const { return *unknowns_; }
-  /// The options that the unknowns were made by, with the axis that was fitted.
+  /// The settings of the unknowns, with the axis that was fitted.
   const UnknownsRequest& unknowns_request() const { return request_.unknowns; }
   /// Lets other processes take part in frames. @param assembly must outlive them
   void share(SharedAssembly& assembly) { settings_.assembly = &assembly; }
@@ -106,12 +107,37 @@ class Reconstructor {
   std::vector<double> absorption_, start_, prior_, start_temperature_, start_absorption_,
       start_emission_;
   std::vector<char> support_;
-  std::vector<Vec3> spreads_;
   std::optional<FlameTruth> truth_;
   std::optional<Refinement> refinement_;  ///< of the first frame; empty: no --refine
 };
 
-/// @throws FileError, InputError: there is none of the grids
-EarlierResult read_earlier_result(const std::string& path, const Unknowns& unknowns);
+/// A camera with its picture.
+struct CameraPicture {
+  std::shared_ptr<const CompiledScene> scene;
+  LightField picture;
+  std::string camera = "the scene", name = "the picture";  ///< for messages
+};
+
+/// Names a camera in messages. @param name may be empty
+std::string camera_text(const std::string& name);
+
+/// A reconstruction from one picture of each camera, with all that is known of it.
+struct FlameReconstruction {
+  ReconstructCameras cameras;
+  std::unique_ptr<Reconstructor> reconstructor;
+  ReconstructResult result;
+  Report report;
+
+  const Unknowns& unknowns() const { return reconstructor->unknowns(); }
+};
+
+/// Called with each state of a reconstruction, by the thread that reconstructs.
+using ReconstructWatch = std::function<void(const ReconstructionState&, const Unknowns&)>;
+
+/// @param watch may be empty @throws as Reconstructor
+std::unique_ptr<const FlameReconstruction> reconstruct_flame(const ReconstructRequest& request,
+                                                             std::vector<CameraPicture> pictures,
+                                                             const Execution& execution = {},
+                                                             const ReconstructWatch& watch = {});
 
 }  // namespace plenoflame

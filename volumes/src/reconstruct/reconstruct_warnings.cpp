@@ -1,4 +1,4 @@
-#include "reconstruct_warnings.h"
+#include "reconstruct/reconstruct_warnings.h"
 
 #include <fmt/format.h>
 

@@ -1,4 +1,6 @@
-#include "unknowns_request.h"
+#include "plenoflame/inverse/unknowns_request.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +8,6 @@
 #include <limits>
 #include <sstream>
 
-#include "options.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/mended_by.h"
 
@@ -58,7 +59,7 @@ std::unique_ptr<Unknowns> voxels_of(const UnknownsRequest& request, const Box& b
   check_shape(request, "voxels", {step.x, step.y, step.z});
   RegularLattice lattice =
       regular_lattice(0.5 * (box.lower + box.upper), size, {counts[0], counts[1], counts[2]});
-  if (request.basis == "constant") lattice.interpolation = VoxelInterpolation::constant;
+  lattice.interpolation = request.basis;
   return make_voxel_unknowns(lattice);
 }
 
@@ -74,9 +75,8 @@ std::unique_ptr<Unknowns> rings_of(const UnknownsRequest& request, const Box& bo
     const auto& [point, direction] = *request.fitted_axis;
     grid.axis = direction;
     middle = point + dot(middle - point, direction) * direction;
-  } else if (!request.axis.empty() && !request.fits_axis()) {
-    const auto [x, y, z] = point_option(request.names("axis"), request.axis);
-    grid.axis = {x, y, z};
+  } else if (request.axis) {
+    grid.axis = *request.axis;
   }
   if (!(length(grid.axis) > 0))
     throw UsageError(request.names("axis") + " must be a direction, e.g. \"0 m, 0 m, 1 m\"");
@@ -103,25 +103,6 @@ std::unique_ptr<Unknowns> layers_of(const UnknownsRequest& request, const Box& b
       {0.5 * (box.lower + box.upper), 0.5 * (box.upper - box.lower), counts[0]});
 }
 
-bool is_value(const std::string& absorption) {
-  return !absorption.empty() && absorption != "none" && absorption != "scene";
-}
-
-/// The known value everywhere [1/m]; 0: none is given. @throws UsageError
-double value_of_absorption(const UnknownsRequest& request) {
-  if (!is_value(request.absorption)) return 0;
-  // Dense soot has some 1e3 1/m. Beyond this bound a flame is black within a micrometre.
-  constexpr double kMost = 1e6;
-  const std::string name = request.names("absorption");
-  const double value = quantity_option(name, request.absorption, Dimension::absorption);
-  if (!(value > 0)) throw UsageError(name + " must be above 0, or none");
-  if (value > kMost)
-    throw UsageError(name + ": '" + request.absorption +
-                     "' is beyond every flame, which would be black within a micrometre; at most "
-                     "1e6 1/m");
-  return value;
-}
-
 }  // namespace
 
 Box block_of(const UnknownsRequest& request, const CompiledScene& scene) {
@@ -141,76 +122,45 @@ std::unique_ptr<Unknowns> unknowns_of(const UnknownsRequest& request, const Comp
   if (box.empty())
     throw mended_by(UsageError("the scene has no flame that gives the box; give it"),
                     {"center", "size"});
-  if (request.kind == "layers") return layers_of(request, box);
-  return request.kind == "rings" ? rings_of(request, box) : voxels_of(request, box);
+  switch (request.kind) {
+    case UnknownKind::layers:
+      return layers_of(request, box);
+    case UnknownKind::rings:
+      return rings_of(request, box);
+    default:
+      return voxels_of(request, box);
+  }
 }
 
-template <>
-std::span<const SettingRow<UnknownsRequest>> setting_rows() {
-  using R = UnknownsRequest;
-  using enum SettingKind;
-  static const std::vector<SettingRow<R>> rows{
-      {"unknowns",
-       "KIND",
-       "voxels; rings x heights around an axis; ellipsoidal layers that fill the block",
-       &R::kind,
-       word,
-       {"voxels", "rings", "layers"}},
-      {"grid",
-       "N[,N,N]",
-       "Voxels along the longest side or along all three, NX,NY,NZ (32); rings and heights, N,M "
-       "(40,80); layers (10)",
-       &R::grid,
-       text,
-       {},
-       1,
-       100000},
-      {"center", "X,Y,Z",
-       "Middle of the block, \"1 m, 0 m, 5 mm\"; without it, that of the scene's flames",
-       &R::centre, lengths},
-      {"size",
-       "X,Y,Z",
-       "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames, or by the "
-       "pictures (auto)",
-       &R::size,
-       lengths,
-       {"auto"}},
-      {"axis", "X,Y,Z",
-       "Direction of the rings' axis through the block's middle (\"0 m, 0 m, 1 m\"), or fit: place "
-       "and direction by the pictures",
-       &R::axis, lengths},
-      {"basis",
-       "KIND",
-       "Of voxels: trilinear or constant (trilinear)",
-       &R::basis,
-       word,
-       {"trilinear", "constant"}},
-      {"absorption", "WHICH",
-       "Known absorption: none (no temperature is found), a value like \"8 1/m\" everywhere, or "
-       "scene: that of the scene's flames (none)",
-       &R::absorption}};
-  return rows;
+std::string_view name_of(UnknownKind kind) {
+  return kind == UnknownKind::voxels ? "voxels" : kind == UnknownKind::rings ? "rings" : "layers";
 }
 
 void check_unknowns(const UnknownsRequest& request) {
   const SettingNames& names = request.names;
-  if (!request.basis.empty() && request.kind != "voxels")
-    throw UsageError(names("basis") + " is for voxels: " + request.kind + " have one of their own");
-  if (!request.axis.empty() && request.kind != "rings")
-    throw UsageError(names("axis") + " is for rings, not for " + request.kind);
-  value_of_absorption(request);
+  const std::string kind(name_of(request.kind));
+  if (request.basis != VoxelInterpolation::trilinear && request.kind != UnknownKind::voxels)
+    throw UsageError(names("basis") + " is for voxels: " + kind + " have one of their own");
+  if ((request.axis || request.fits_axis) && request.kind != UnknownKind::rings)
+    throw UsageError(names("axis") + " is for rings, not for " + kind);
+  // Dense soot has some 1e3 1/m. Beyond this bound a flame is black within a micrometre.
+  constexpr double kMost = 1e6;
+  if (request.absorption > kMost)
+    throw UsageError(
+        fmt::format("{}: '{} 1/m' is beyond every flame, which would be black within "
+                    "a micrometre; at most 1e6 1/m",
+                    names("absorption"), request.absorption));
 }
 
-std::size_t unknown_axes(const UnknownsRequest& request) {
-  return request.kind == "rings" ? 2 : request.kind == "layers" ? 1 : 3;
+std::size_t unknown_axes(UnknownKind kind) {
+  return kind == UnknownKind::rings ? 2 : kind == UnknownKind::layers ? 1 : 3;
 }
 
-FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place) {
-  return flame_at(scene, scene.mix, channel, place);
-}
+namespace {
 
-FlameAt flame_at(const CompiledScene& scene, const ChannelMix& mix, std::size_t channel,
-                 Vec3 place) {
+/// Behind one part of the stop. @param mix one of the scene's part_mixes
+FlameAt flame_behind(const CompiledScene& scene, const ChannelMix& mix, std::size_t channel,
+                     Vec3 place) {
   FlameAt result;
   const auto nodes = static_cast<std::size_t>(scene.medium->channel_count());
   std::vector<double> emission(nodes), absorption(nodes);
@@ -229,6 +179,12 @@ FlameAt flame_at(const CompiledScene& scene, const ChannelMix& mix, std::size_t 
   return result;
 }
 
+}  // namespace
+
+FlameAt flame_at(const CompiledScene& scene, std::size_t channel, Vec3 place) {
+  return flame_behind(scene, scene.mix, channel, place);
+}
+
 void take_absorption_of_scene(const CompiledScene& scene, std::size_t channel,
                               const Unknowns& unknowns, std::vector<ThermalPart>& parts) {
   if (parts.size() != scene.part_mixes.size()) return;
@@ -238,7 +194,7 @@ void take_absorption_of_scene(const CompiledScene& scene, std::size_t channel,
     const Vec3 place = unknowns.place(j);
     whole += flame_at(scene, channel, place).absorption;
     for (std::size_t p = 0; p < parts.size(); ++p)
-      sums[p] += flame_at(scene, scene.part_mixes[p], channel, place).absorption;
+      sums[p] += flame_behind(scene, scene.part_mixes[p], channel, place).absorption;
   }
   for (std::size_t p = 0; p < parts.size(); ++p)
     if (whole > 0 && sums[p] > 0) parts[p].absorption_ratio = sums[p] / whole;
@@ -247,8 +203,7 @@ void take_absorption_of_scene(const CompiledScene& scene, std::size_t channel,
 std::vector<double> absorption_of(const UnknownsRequest& request, const CompiledScene& scene,
                                   std::size_t channel, const Unknowns& unknowns) {
   std::vector<double> absorption;
-  if (request.absorption.empty() || request.absorption == "none") return absorption;
-  if (request.absorption == "scene") {
+  if (request.absorption_of_scene) {
     const std::string name = request.names("absorption", "scene");
     if (!scene.medium) throw UsageError(name + ": the scene has no flame");
     for (std::size_t j = 0; j < unknowns.size(); ++j)
@@ -256,7 +211,7 @@ std::vector<double> absorption_of(const UnknownsRequest& request, const Compiled
     if (*std::max_element(absorption.begin(), absorption.end()) > 0) return absorption;
     throw UsageError(name + ": the scene's flames absorb nothing within the grid");
   }
-  absorption.assign(unknowns.size(), value_of_absorption(request));
+  if (request.absorption > 0) absorption.assign(unknowns.size(), request.absorption);
   return absorption;
 }
 
