@@ -14,7 +14,7 @@ namespace {
 
 /// A plane of unknowns: across and up are axes of their numbering.
 struct Slice {
-  std::string name;
+  std::string name;  ///< after that of a field; empty: there is no other
   std::size_t across, up;
   std::array<int, 3> at;  ///< index of the plane along the third axis
 };
@@ -29,8 +29,8 @@ std::vector<Slice> slices(const Unknowns& unknowns, const std::vector<double>& e
                               static_cast<int>(brightest / n2 % n1),
                               static_cast<int>(brightest % n2)};
   if (shape[1] < 2) return {};
-  if (shape[2] < 2) return {{"radius and height", 0, 1, at}};
-  return {{"front", 1, 2, at}, {"side", 0, 2, at}, {"from above", 0, 1, at}};
+  if (shape[2] < 2) return {{"", 0, 1, at}};
+  return {{", front", 1, 2, at}, {", side", 0, 2, at}, {", from above", 0, 1, at}};
 }
 
 /// The axis of the unknowns along a side of a slice, in mm.
@@ -126,7 +126,7 @@ void add_field(HtmlPage& html, const ReconstructPage& page, const Field& field) 
       made.high = top;
       return made;
     };
-    std::vector<HeatMap> maps{map(field.name + ", " + slice.name, known, low, high)};
+    std::vector<HeatMap> maps{map(field.name + slice.name, known, low, high)};
     if (!deviation.empty()) maps.push_back(map("deviation", deviation, 0, reach));
     if (!truth.empty()) {
       maps.push_back(map("truth", truth, low, high));
@@ -255,8 +255,7 @@ std::string reconstruct_page(const ReconstructPage& page) {
       add_field(html, page,
                 {"absorption", "1/m", estimate.absorption, estimate.absorption_deviation,
                  truth ? &truth->absorption : nullptr});
-    add_field(html, page,
-              {"resolved", "1: by the pictures; 0: by the penalty", figures.resolved, none});
+    add_field(html, page, {"resolved", "by the pictures", figures.resolved, none});
   }
   html.heading("What the pictures say of it");
   add_pictures(html, page);
