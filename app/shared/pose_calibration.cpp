@@ -195,7 +195,8 @@ void warn_of_residuals(const FoundGeometry& found, const Execution& execution) {
     squares += 2 * found.corners[i].error * found.corners[i].error;
     count += 1;
   }
-  const double stated = count > 0 ? std::sqrt(squares / count) : found.fit.corner_rms;
+  if (count == 0) return;
+  const double stated = std::sqrt(squares / count);
   if (found.fit.corner_rms < kMost * stated) return;
   execution.warn(
       fmt::format("the fit leaves {:.3f} pixels {} of the corners, whose own errors are {:.3f}: "

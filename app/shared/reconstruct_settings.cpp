@@ -3,15 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 
 #include "options.h"
 
 namespace plenoflame {
 namespace {
 
-constexpr double kMostStrength = 1e12, kMostRelaxation = 2, kMany = 100000,
-                 kLeast = std::numeric_limits<double>::min();
+constexpr double kMostStrength = 1e12, kMostRelaxation = 2, kMany = 100000;
 
 std::string joined(const std::vector<std::string>& words) {
   return fmt::format("{}", fmt::join(words, ","));
@@ -75,7 +73,7 @@ std::span<const SettingRow<ReconstructRequest>> setting_rows() {
        &R::absorption_ratios,
        number,
        {},
-       kLeast,
+       0,
        1e6},
       {"noise",
        "SHARE",

@@ -184,7 +184,7 @@ class WhiteRun {
     if (std::fabs(seen / expected - 1) < kMost) return;
     execution_.warn(
         fmt::format("micro-images of '{}' have a radius of {:.2f} pixels, by the camera's f/{:.3g} "
-                    "it is {:.2f}: was the stop another one, or is the sensor's distance?",
+                    "it is {:.2f}: was the stop another one, or is the sensor's distance wrong?",
                     aperture.files[0], seen, f_number, expected));
   }
 

@@ -76,6 +76,7 @@ class SettingsFile(CommandTest):
                 ("# A flame of rings.", "[sweep]", 1, ['run.toml:1:2: "sweep" stands beside [reconstruction]']),
                 ("noise = 0.01", "absorption = 8", 1, ["run.toml:11:1: absorption: ", "its unit is missing"]),
                 ("truth = false", 'truth = "yes"', 1, ["run.toml:16:1: truth: true or false, not 'yes'"]),
+                ("f.vdb", "a.exr", 2, ["a.exr"]),
                 ("f.vdb.json", "f.pdf", 1, ["run.toml:17:1: report: 'f.pdf' must end in .json, .txt or .html"])):
             self.assertIn(old, text)
             self.write("run.toml", text.replace(old, new))

@@ -28,6 +28,22 @@ TEST(Verdict, NamesAnAbsorptionBeyondTwoStatedErrors) {
   EXPECT_NE(sentences(0.151)[0].find("side"), std::string::npos);
 }
 
+TEST(Verdict, SaysWhetherNoiseExplainsThePictures) {
+  const auto unknowns = make_layer_unknowns({{}, {1, 1, 1}, 1});
+  ReconstructResult result;
+  result.figures.complete = true;
+  result.estimate.emission = {2};
+  result.estimate.emission_deviation = {0.2};
+  result.figures.noise_factor = 1.3;
+  for (const bool explained : {true, false}) {
+    result.figures.explained_by_noise = explained;
+    const std::string words = verdict(result, *unknowns, UnknownKind::layers, {"front"});
+    EXPECT_NE(words.find("known to 10 %"), std::string::npos) << words;
+    EXPECT_EQ(words.find("within their noise") != std::string::npos, explained) << words;
+    EXPECT_EQ(words.find("1.3 times their noise") != std::string::npos, !explained) << words;
+  }
+}
+
 TEST(Options, StandBesideTheMessagesOfErrorsThatTheyMend) {
   EXPECT_EQ(kOptionNames.message(InputError("a")), "a");
   EXPECT_EQ(kOptionNames.message(mended_by(InputError("a"), {"region", "margin"})),

@@ -167,6 +167,10 @@ TEST(ModelTest, ACoarseGridIsNoFaultOfACamera) {
   for (const Suspect& suspect : found.suspects)
     EXPECT_FALSE(suspect.named) << static_cast<int>(suspect.kind) << ' ' << suspect.significance();
   EXPECT_GT(found.grid_share, 0.5);
+  trial.coarser = 1;
+  const FamilyOutcome fine = reconstruct_family(trial, tested());
+  EXPECT_LT(fine.grid_share * (fine.chi_squared - 1),
+            0.5 * found.grid_share * (found.chi_squared - 1));
 }
 
 // Light from behind tells the absorption of a thick flame, where several cameras see it.

@@ -133,8 +133,8 @@ class BoardFinder {
     if (meetings.size() < kFewestPairs)
       throw InputError(fmt::format(
           "no board is seen: {}, of which hardly two lie on lines that meet in front of the "
-          "camera; "
-          "{}. Does it face the camera, is it sharp in micro-images, and is the camera that of the "
+          "camera; {}. Does it face the camera, is it sharp in micro-images, and is the camera "
+          "that of the "
           "picture?",
           seen_text(), picture_.where_seen(board_.cell)));
     plane_ = BoardPlane::where_most_meet(meetings, kNear * picture_.in_focus(),

@@ -153,8 +153,7 @@ std::string BoardViews::where_seen(double cell) const {
   const double reach = cell / (kLeast * pixel);
   return fmt::format(
       "squares of {:.3g} mm have {:g} pixels at {:.3g} m and at {:.3g} m, and more towards the "
-      "plane "
-      "in focus at {:.3g} m",
+      "plane in focus at {:.3g} m",
       1e3 * cell, kLeast, std::max(0.0, focus - reach), focus + reach, focus);
 }
 

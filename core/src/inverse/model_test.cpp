@@ -96,7 +96,8 @@ class ScoreTests {
       const Eigen::Index j = named[static_cast<std::size_t>(n)];
       if (j == grid) {
         const double explained = std::pow(std::max(0.0, estimates[n]), 2) * information(j, j);
-        result.grid_share = std::min(1.0, explained / std::max(explained, beyond_noise()));
+        if (const double misfit = beyond_noise(); misfit > 0)
+          result.grid_share = std::min(1.0, explained / misfit);
         continue;
       }
       Suspect& suspect = suspects_[static_cast<std::size_t>(j)];

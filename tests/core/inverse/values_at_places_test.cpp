@@ -124,6 +124,18 @@ TEST(ValuesAtPlaces, RefinedOnesAreOfTheSameField) {
   }
 }
 
+// An axis of one unknown has no places between.
+TEST(ValuesAtPlaces, OfASingleSampleAlongAnAxisAreRefinedAlongTheOther) {
+  for (const auto& [count, refined] :
+       {std::pair<std::array<int, 2>, std::array<int, 2>>{{1, 4}, {1, 9}}, {{4, 1}, {8, 1}}}) {
+    const auto rings = make_ring_unknowns({{}, {0, 0, 1}, 1, 1, count[0], count[1]});
+    const std::unique_ptr<Unknowns> finer = rings->refined();
+    EXPECT_EQ(finer->shape()[0], refined[0]);
+    EXPECT_EQ(finer->shape()[1], refined[1]);
+    EXPECT_EQ(refined_values(*rings, std::vector<double>(4, 1.0)).size(), finer->size());
+  }
+}
+
 // About the axis of rings a field goes on as it came; constant voxels are no lines.
 TEST(ValuesAtPlaces, AtACentreAndOfConstantVoxels) {
   RingGrid grid;

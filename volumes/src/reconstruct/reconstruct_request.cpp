@@ -67,6 +67,8 @@ void check_sought(const ReconstructRequest& request) {
                                  names("absorption"), find("both")));
   if (sought == Sought::both && known)
     throw UsageError(find("both") + " finds the absorption: leave " + names("absorption") + " out");
+  for (const double ratio : request.absorption_ratios)
+    if (!(ratio > 0)) throw UsageError(names("absorption-ratios") + ": each is above 0");
   const bool linear = sought == Sought::emission;
   const std::string for_emission = "is for " + find("emission");
   refuse(!linear && (!request.prior.empty() || request.prior_values), names("prior"), for_emission);

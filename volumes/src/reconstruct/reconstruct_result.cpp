@@ -85,7 +85,7 @@ void write_estimate(const std::string& path, const ReconstructResult& result,
                       "out of range",
                       path, found[i].name));
     grids.push_back({&fields[i], found[i].unit});
-    // --resume continues with this strength, on this grid.
+    // A continued run takes up this strength, on this grid.
     if (found[i].name == "emission")
       grids.back().metadata = {{"strength", fmt::format("{:.17g}", result.figures.strength)},
                                {"unknowns", shape_text(unknowns)}};

@@ -14,8 +14,6 @@ namespace {
 
 /// A value whose deviation is above this share of it is poorly known.
 constexpr double kHardlyKnown = 0.5;
-/// Up to this multiple of the noise, chance explains the difference from the pictures.
-constexpr double kChance = 1.05;
 /// Shares of light that an uncoated window may take.
 constexpr std::pair<double, double> kGlass{0.05, 0.15};
 
@@ -105,17 +103,17 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns, U
                         readable(*means.temperature, Dimension::temperature));
   if (means.absorption)
     text += fmt::format(", its absorption to {}", readable_percent(*means.absorption));
-  const double noise = result.figures.noise_factor;
-  text += noise > kChance ? fmt::format(
-                                ". The pictures differ from the result by {:.3g} times their "
-                                "noise; the deviations contain that.",
-                                noise)
-                          : ". The result explains the pictures within their noise.";
+  text += result.figures.explained_by_noise
+              ? ". The result explains the pictures within their noise."
+              : fmt::format(
+                    ". The pictures differ from the result by {:.3g} times their noise; the "
+                    "deviations contain that.",
+                    result.figures.noise_factor);
   if (cameras.size() == 1 && kind == UnknownKind::voxels)
     text = "One camera cannot tell the depth. " + text +
            " Rings need one camera where the flame is round; voxels need several.";
   else if (*means.emission > kHardlyKnown)
-    text += " That is hardly anything: take more light, more cameras or a coarser grid.";
+    text += " The emission is hardly known: take more light, more cameras or a coarser grid.";
   text += corrected;
   const std::vector<std::string> wrong = what_is_wrong(result, kind, cameras);
   for (const std::string& line : wrong) text += ' ' + line;

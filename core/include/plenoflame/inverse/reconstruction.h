@@ -176,7 +176,8 @@ struct Reconstruction {
   std::vector<PointSpread> resolution;
   /// Faults of the cameras, those first that the pictures name; empty: no test of the model.
   std::vector<Suspect> suspects;
-  /// Share of the misfit beyond noise that a grid of half the spacing explains; 0: no test.
+  /// Share of the misfit beyond noise that a grid of half the spacing explains; 0: no test, or
+  /// none.
   double grid_share = 0;
   /// Per view: share of the light that pixels see which look past all unknowns, where it is above
   /// its noise. Empty with lamps and surfaces, whose light is not separated from it.

@@ -31,7 +31,7 @@ class Unknowns {
   /// Volume that an unknown fills [m^3], the integral of its basis function.
   virtual double volume(std::size_t unknown) const = 0;
   /// Unknowns at half the spacing: each axis has one more between two, and one beyond an end at
-  /// which the field falls to 0.
+  /// which the field falls to 0. An axis of one unknown stays.
   virtual std::unique_ptr<Unknowns> refined() const = 0;
   /// Appends the intervals of a ray between two places, in their order along it.
   virtual void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const = 0;

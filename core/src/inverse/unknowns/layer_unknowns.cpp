@@ -45,7 +45,8 @@ class LayerUnknowns : public Unknowns {
            step * step * step;
   }
   std::unique_ptr<Unknowns> refined() const override {
-    return make_layer_unknowns({grid_.centre, grid_.semi_axes, 2 * grid_.layers});
+    return make_layer_unknowns(
+        {grid_.centre, grid_.semi_axes, grid_.layers * (grid_.layers > 1 ? 2 : 1)});
   }
   void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override;
   VoxelField field(std::span<const double> values, const std::string& name) const override {

@@ -97,10 +97,12 @@ class RingUnknowns : public Unknowns {
   }
   std::unique_ptr<Unknowns> refined() const override {
     RingGrid finer = grid_;
-    finer.radial_step /= 2, finer.height_step /= 2;
-    finer.rings *= 2;
-    finer.heights = 2 * grid_.heights + 1;
-    finer.base = grid_.base - finer.height_step * w_;
+    if (grid_.rings > 1) finer.radial_step /= 2, finer.rings *= 2;
+    if (grid_.heights > 1) {
+      finer.height_step /= 2;
+      finer.heights = 2 * grid_.heights + 1;
+      finer.base = grid_.base - finer.height_step * w_;
+    }
     return make_ring_unknowns(finer);
   }
   void append(const Ray& ray, double t_near, double t_far, RayIntervals& out) const override;

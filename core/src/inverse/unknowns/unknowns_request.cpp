@@ -145,6 +145,9 @@ void check_unknowns(const UnknownsRequest& request) {
     throw UsageError(names("axis") + " is for rings, not for " + kind);
   // Dense soot has some 1e3 1/m. Beyond this bound a flame is black within a micrometre.
   constexpr double kMost = 1e6;
+  for (const int count : request.grid)
+    if (count < 1) throw UsageError(names("grid") + " has counts from 1 on");
+  if (!(request.absorption >= 0)) throw UsageError(names("absorption") + " is not below 0");
   if (request.absorption > kMost)
     throw UsageError(
         fmt::format("{}: '{} 1/m' is beyond every flame, which would be black within "

@@ -79,8 +79,8 @@ class Reconstructor {
   ReconstructResult frame(const FrameMeasurements& measurements, const Execution& execution,
                           const std::function<void(const ReconstructionState&)>& watch = {});
 
-  /// The cameras as --refine has corrected them; those that were given before the first frame, and
-  /// where nothing is wrong.
+  /// The corrected cameras. They are those that were given before the first frame, and if nothing
+  /// is wrong.
   std::vector<CameraSpec> camera_specs() const;
 
   /// The figures of a frame; warns of what they say against it. @param output name of the file
@@ -108,7 +108,7 @@ class Reconstructor {
       start_emission_;
   std::vector<char> support_;
   std::optional<FlameTruth> truth_;
-  std::optional<Refinement> refinement_;  ///< of the first frame; empty: no --refine
+  std::optional<Refinement> refinement_;  ///< of the first frame; empty: nothing is refined
 };
 
 /// A camera with its picture.
