@@ -259,6 +259,8 @@ class ExportsTest : public test::WindowFixture {
     }
     QVERIFY2(bottom - top > 450, qPrintable(QString("%1 to %2").arg(top).arg(bottom)));
     QVERIFY2(dark > 850, qPrintable(QString::number(dark)));
+    // The scale bar of the dark light field has the ground of the poster, too.
+    QCOMPARE(QColor(poster.pixel(938, 862)), QColor(Qt::white));
     // Nothing has changed in the window.
     QVERIFY(session().document().look() == look);
     QVERIFY(test::difference(before, window_->scene_view().picture()) < 1e-3);

@@ -235,6 +235,14 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY2(bright[0] > 100 && bright[1] > 100,
              qPrintable(QString("%1, %2").arg(bright[0]).arg(bright[1])));
     beside->close();
+    // Slices are to scale, though the rings' voxels are oblong.
+    auto* const slice = child<ImageView>("reconstructFound");
+    auto* const frame = qobject_cast<AxesFrame*>(slice->parentWidget());
+    QVERIFY(frame && slice->image());
+    const double seen = 1.0 * slice->image()->width() / slice->image()->height();
+    const double is =
+        (frame->across().last - frame->across().first) / (frame->up().last - frame->up().first);
+    QVERIFY2(std::abs(seen / is - 1) < 0.02, qPrintable(QString("%1 %2").arg(seen).arg(is)));
     run(PLENOFLAME_COMMAND, {"render", file("two.toml"), "--quiet", "-o", file("raw.exr")});
     const auto by_command = [&](const QString& noise, const QString& name) {
       run(PLENOFLAME_COMMAND, {"reconstruct",

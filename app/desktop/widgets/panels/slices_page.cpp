@@ -7,6 +7,7 @@
 #include <QSlider>
 #include <QVBoxLayout>
 #include <algorithm>
+#include <cmath>
 
 #include "slice_values.h"
 #include "widgets/image/axes_frame.h"
@@ -30,6 +31,23 @@ AxesFrame::Axis axis_of(const VoxelPlace& place, std::size_t k) {
   const SliceAxis axis = slice_axis(place.origin, place.direction[k], place.spacing[k],
                                     static_cast<double>(place.size[k]));
   return {QString::fromStdString(axis.label), axis.first, axis.last};
+}
+
+/// Lengths in the picture are those of the scene in both directions: voxels may be oblong.
+/// @param width, height of a voxel
+Image to_scale(const Image& voxels, double width, double height) {
+  constexpr double kFiner = 4;  // pixels along the short side of a voxel
+  if (voxels.empty() || std::fabs(width / height - 1) < 0.01) return voxels;
+  const double pixel = std::min(width, height) / kFiner;
+  const auto pixels = [&](int count, double length) {
+    return std::max(1, static_cast<int>(std::lround(count * length / pixel)));
+  };
+  Image image(pixels(voxels.width, width), pixels(voxels.height, height));
+  for (int row = 0; row < image.height; ++row)
+    for (int column = 0; column < image.width; ++column)
+      image.at(column, row) =
+          voxels.at(column * voxels.width / image.width, row * voxels.height / image.height);
+  return image;
 }
 
 }  // namespace
@@ -152,7 +170,10 @@ void SlicesPage::show_slice(Slice& slice, const std::vector<float>& values, doub
   ImageView& view = slice.frame->view();
   Image image;
   const int axis = axis_->currentIndex();
-  if (!values.empty()) image = fields_->slice(values, axis, position_->value() / 100.0);
+  const std::size_t across = axis == 0 ? 1 : 0, up = axis == 2 ? 1 : 2;
+  if (!values.empty())
+    image = to_scale(fields_->slice(values, axis, position_->value() / 100.0),
+                     fields_->place.spacing[across], fields_->place.spacing[up]);
   slice.bar->setVisible(!image.empty());
   if (image.empty()) {
     slice.frame->set_axes({}, {});
@@ -167,8 +188,7 @@ void SlicesPage::show_slice(Slice& slice, const std::vector<float>& values, doub
   slice.bar->set_tone(tone, Dimension::none);
   view.set_image(std::make_shared<const ImagePyramid>(
       std::make_shared<const Image>(std::move(image)), Execution{1, {}, {}, {}}));
-  slice.frame->set_axes(axis_of(fields_->place, axis == 0 ? 1 : 0),
-                        axis_of(fields_->place, axis == 2 ? 1 : 2));
+  slice.frame->set_axes(axis_of(fields_->place, across), axis_of(fields_->place, up));
 }
 
 }  // namespace plenoflame::desktop

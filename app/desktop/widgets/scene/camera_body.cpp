@@ -31,7 +31,7 @@ constexpr double kEdge = 25;         ///< [degree] between faces that have an ed
 using Rgb = std::array<unsigned char, 3>;
 constexpr Rgb kOutside{74, 79, 88}, kInside{40, 43, 49}, kSection{176, 181, 190};
 
-/// A cross-section of the wall: a circle, or a rectangle with rounded corners. All [m].
+/// A cross-section of the wall: a circle or a rectangle. All [m].
 struct Station {
   double outer_z, inner_z;  ///< in the camera's frame
   double half_width, half_height, wall;
@@ -55,8 +55,7 @@ std::vector<Station> stations_of(const Camera& camera) {
   const double tube = kTubeShare * 0.5 * diameter, wall = kWall * tube;
   const double width = std::max(0.8 * size, 0.5 * tube), height = 0.93 * width;
   const double front = 0.15 * diameter, lens_end = axis.lens_back - 0.2 * diameter;
-  const double box = std::max(axis.array_front + 0.9 * width,
-                              std::min(axis.array_front, 0.5 * (lens_end + axis.array_front)));
+  const double box = axis.array_front + 0.9 * width;
   const double box_front = std::min(box, lens_end), back = axis.sensor - 0.5 * width;
   const double neck = 0.95 * height, box_wall = kWall * width;
   const double radius = tube + wall, ring = radius + wall;

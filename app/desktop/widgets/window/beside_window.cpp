@@ -152,7 +152,8 @@ void BesideWindow::draw() {
   }
   vtkNew<vtkScalarBarActor> bar;
   bar->SetLookupTable(colours);
-  bar->SetTitle((field->name + " [" + field->unit + "]").c_str());
+  // The empty line keeps the title above the labels.
+  bar->SetTitle((field->name + " [" + field->unit + "]\n ").c_str());
   bar->SetNumberOfLabels(4);
   bar->SetLabelFormat("%.4g");
   bar->SetUnconstrainedFontSize(true);

@@ -21,9 +21,11 @@ constexpr QSize kUsual{3840, 2160};
 constexpr double kBarShare = 0.2;   ///< of the width: the longest scale bar
 constexpr double kLetters = 0.025;  ///< height of letters, of the picture's
 
-/// A bar of a round length in the lower left corner. @param metres of a pixel
-void draw_scale_bar(QImage& picture, double metres, const QColor& ink) {
+/// A bar of a round length in the lower left corner. Its ground is the poster's, as light fields
+/// are black on every poster. @param metres of a pixel
+void draw_scale_bar(QImage& picture, double metres, const QColor& ground) {
   if (!(metres > 0)) return;
+  const QColor ink = ground.lightness() < 128 ? QColor(225, 227, 230) : QColor(40, 42, 46);
   const double length = views::round_length(kBarShare * picture.width() * metres);
   const double letters = kLetters * picture.height();
   QPainter painter(&picture);
@@ -34,10 +36,16 @@ void draw_scale_bar(QImage& picture, double metres, const QColor& ink) {
   painter.setPen(QPen(ink, 0.15 * letters));
   const QPointF begin(2 * letters, picture.height() - 2 * letters),
       end = begin + QPointF(length / metres, 0);
-  painter.drawLine(begin, end);
   const QRectF place(begin.x(), begin.y() - 2 * letters, end.x() - begin.x(), 1.6 * letters);
-  painter.drawText(place, Qt::AlignHCenter | Qt::AlignBottom | Qt::TextDontClip,
-                   QString::fromStdString(readable_quantity(length, Dimension::length)));
+  constexpr int kPlaced = Qt::AlignHCenter | Qt::AlignBottom | Qt::TextDontClip;
+  const QString text = QString::fromStdString(readable_quantity(length, Dimension::length));
+  const double margin = 0.5 * letters;
+  painter.fillRect(painter.boundingRect(place, kPlaced, text)
+                       .united(QRectF(begin, end))
+                       .adjusted(-margin, -margin, margin, margin),
+                   ground);
+  painter.drawLine(begin, end);
+  painter.drawText(place, kPlaced, text);
 }
 
 }  // namespace
@@ -90,8 +98,6 @@ Poster PosterDialog::poster() const {
 QImage make_poster(const Poster& poster, SceneView& scene, const ImagePanel& image) {
   const bool both = poster.of == Poster::Of::both;
   const QSize each(both ? poster.size.width() / 2 : poster.size.width(), poster.size.height());
-  const QColor ink =
-      poster.background.lightness() < 128 ? QColor(225, 227, 230) : QColor(40, 42, 46);
   QImage picture(poster.size, QImage::Format_RGB32);
   picture.fill(poster.background);
   QPainter painter(&picture);
@@ -103,13 +109,13 @@ QImage make_poster(const Poster& poster, SceneView& scene, const ImagePanel& ima
     double metres = 0;
     QImage part = scene.poster(each, poster.background, metres);
     if (both) scene.set_flame_look(look);
-    if (poster.scale_bar) draw_scale_bar(part, metres, ink);
+    if (poster.scale_bar) draw_scale_bar(part, metres, poster.background);
     painter.drawImage(0, 0, part);
   }
   if (poster.of != Poster::Of::scene) {
     double metres = 0;
     QImage part = image.poster(each, poster.background, metres);
-    if (poster.scale_bar) draw_scale_bar(part, metres, ink);
+    if (poster.scale_bar) draw_scale_bar(part, metres, poster.background);
     painter.drawImage(poster.size.width() - each.width(), 0, part);
   }
   return picture;

@@ -43,8 +43,9 @@ double electrons_per_joule(const SensorSpec& sensor, double wavelength);
 /// Share of the full well that automatic exposure fills.
 inline constexpr double kAutomaticFill = 0.95;
 
-/// Exposure [s] after which all but 0.1 % of the lit pixels hold at most kAutomaticFill of the full
-/// well. The converter's bits may hold less than that. 0 if no pixel is lit.
+/// Exposure [s] after which all but 0.1 % of the lit pixels are filled to kAutomaticFill at most. A
+/// pixel is full at the full well, or at what the converter's bits hold if that is less. The result
+/// is 0 if no pixel is lit.
 /// @param channels as of expose()
 double automatic_exposure(const std::vector<SensorChannel>& channels, const SensorSpec& sensor);
 
