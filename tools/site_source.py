@@ -18,6 +18,7 @@ import sys
 import urllib.parse
 
 LINK = re.compile(r"(!?\[(?:[^\]\\]|\\.)*\])\(([^)\s]+)\)")
+SIZED_PICTURE = re.compile(r'<img src="([^"]+)" width="\d+" alt="([^"]+)">')
 LIST_ITEM = re.compile(r"^( *)([-*]|\d+\.) ")
 ENTRY = re.compile(r"^(?P<mark>-|\d+\.) \[(?P<title>[^\]]+)\]\((?P<path>[^)]+)\)")
 # Pages at the top of the repository, by the names that they have on the site.
@@ -67,7 +68,8 @@ class Page:
         """The page as Python-Markdown reads it: lists and tables follow an empty line, lists within lists are indented
         by four, links are those of the site."""
         parts, text, code, before = [], [], False, ""  # parts are lines with links set, text those since
-        for line in (self.root / self.source).read_text(encoding="utf-8").splitlines():
+        page = SIZED_PICTURE.sub(r"![\2](\1)", (self.root / self.source).read_text(encoding="utf-8"))
+        for line in page.splitlines():
             fence = line.lstrip().startswith("```")
             if fence and not code:
                 parts += LINK.sub(self.link, "\n".join(text)).split("\n") if text else []

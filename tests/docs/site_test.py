@@ -51,6 +51,7 @@ class Site(unittest.TestCase):
         self.assertEqual(self.page("[x](../../examples/x.toml)\n"), "[x](../files/examples/x.toml)\n")
         self.assertEqual((self.out / "source/files/examples/x.toml").read_text(), "x")
         self.assertEqual(self.page("![p\nq](../images/p.png)\n"), "[![p\nq](../images/p.png)](../images/p.png)\n")
+        self.assertEqual(self.page('<img src="../images/p.png" width="9" alt="q">\n'), "[![q](../images/p.png)](../images/p.png)\n")
         self.assertEqual((self.out / "source/overview.md").read_text(), "# P\n[a](user/a.md#b)\n")
 
     def test_navigation(self):
