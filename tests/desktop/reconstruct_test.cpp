@@ -300,7 +300,8 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY(until([state] { return state->text().contains(" %, "); }));
     QVERIFY2(state->text().contains("to go"), qPrintable(state->text()));
     QTest::mouseClick(push("reconstructStop"), Qt::LeftButton);
-    QVERIFY2(state->text().contains("stopping") || job().state() != ReconstructJob::State::running,
+    QVERIFY(!push("reconstructStop")->isEnabled());
+    QVERIFY2(state->text() == "stopping" || job().state() != ReconstructJob::State::running,
              qPrintable(state->text()));
     QVERIFY(ended());
     QVERIFY2(job().text().startsWith("stopped") || job().text() == "finished",

@@ -60,6 +60,7 @@ class ReconstructJob : public QObject {
   double share() const { return share_; }
   double remaining_seconds() const { return remaining_seconds_; }  ///< negative: not known yet
   State state() const { return state_; }
+  bool stopping() const { return stopping_; }
   /// The step that is being done, or why it failed.
   const QString& text() const { return text_; }
   /// chi^2 per row, iteration by iteration; of strengths that are only tried, and of the solution.

@@ -446,10 +446,11 @@ void ReconstructPanel::start() {
 void ReconstructPanel::show_job() {
   const bool running = job_.state() == ReconstructJob::State::running;
   start_->setEnabled(!rows_.empty() && !running);
-  stop_->setEnabled(running);
+  const bool going_on = running && !job_.stopping();
+  stop_->setEnabled(going_on);
   save_->setEnabled(job_.result() != nullptr);
   beside_->setEnabled(job_.result() != nullptr);
-  const bool shared = running && job_.share() > 0;
+  const bool shared = going_on && job_.share() > 0;
   state_->setText(!shared ? job_.text()
                           : tr("%1 %, %2 to go: %3")
                                 .arg(100 * job_.share(), 0, 'f', 0)
