@@ -15,7 +15,7 @@ struct SettingNames {
 
   /// @param setting its own name, words with hyphens: "absorption-error"
   std::string operator()(std::string_view setting) const;
-  /// With its value.
+  /// The setting with its value.
   std::string operator()(std::string_view setting, std::string_view value) const;
   /// The text of an error, with the settings that mend it: "... (region, margin)".
   std::string message(const Error& error) const;

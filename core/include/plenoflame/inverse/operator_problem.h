@@ -29,7 +29,7 @@ struct OperatorRequest {
   OperatorForm form = OperatorForm::automatic;
 };
 
-/// Before any work. @throws UsageError
+/// Checks a request before any work. @throws UsageError
 void check_operator(const OperatorRequest& request);
 
 /// The linear problem of some cameras with the rays that make it. Not copied: `problem` points to

@@ -102,7 +102,7 @@ std::unique_ptr<Medium> load_core_medium(const FlameSpec& flame, const std::stri
 CompiledScene compile(const Scene& scene, const MediumLoader& loader = load_core_medium,
                       const Execution& execution = {}, const PositionMap& positions = {},
                       const EarlierScenes& earlier = {}, const std::vector<IssueCode>& unsaid = {});
-/// The same with the positions of a document.
+/// Compiles the scene of a document, with its positions.
 CompiledScene compile(const SceneDocument& document, const MediumLoader& loader = load_core_medium,
                       const Execution& execution = {}, const EarlierScenes& earlier = {},
                       const std::vector<IssueCode>& unsaid = {});

@@ -54,7 +54,7 @@ struct ReconstructRequest {
   std::optional<std::uint64_t> seed = {};
   /// An operator that was made for the same settings; it must outlive the reconstruction.
   BuiltRows built = {};
-  /// In place of files.
+  /// Values in place of files.
   std::shared_ptr<const EarlierResult> start_values = nullptr, prior_values = nullptr;
 
   const SettingNames& names() const { return unknowns.names; }
