@@ -75,8 +75,8 @@ struct Field {
   const std::vector<double>& found;
   const std::vector<double>& deviation;  ///< empty: not known
   const std::vector<double>* truth = nullptr;
-  bool of_light =
-      false;  ///< known only where the emission is: its colours begin at the least value
+  /// Known only in lit places; its colours begin at the least value.
+  bool of_light = false;
 };
 
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
