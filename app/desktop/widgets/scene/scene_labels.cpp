@@ -34,7 +34,7 @@ ScreenBox seen(const std::vector<Vec3>& points, vtkRenderer& renderer) {
     renderer.SetWorldPoint(p.x, p.y, p.z, 1);
     renderer.WorldToDisplay();
     const double* const place = renderer.GetDisplayPoint();
-    box.add(place[0], place[1]);
+    if (place[2] <= 1) box.add(place[0], place[1]);  // else it is behind the eye
   }
   return box;
 }
@@ -96,9 +96,10 @@ void SceneLabels::avoid(std::vector<Vec3> thing, Keep keep) {
 
 void SceneLabels::place(vtkRenderer& renderer, const std::vector<ScreenBox>& furniture) const {
   if (labels_.empty()) return;
-  const int* const size = renderer.GetSize();
+  const int *const size = renderer.GetSize(), *const corner = renderer.GetOrigin();
   const double gap = kGap * renderer.GetRenderWindow()->GetDPI() / kPixelsPerInch;
-  const ScreenBox view{0, 0, static_cast<double>(size[0]), static_cast<double>(size[1])};
+  ScreenBox view;
+  for (const int end : {0, 1}) view.add(corner[0] + end * size[0], corner[1] + end * size[1]);
   std::vector<ScreenBox> taken = furniture, other;
   vtkNew<vtkPoints> ends;
   vtkNew<vtkCellArray> lines;
@@ -106,6 +107,10 @@ void SceneLabels::place(vtkRenderer& renderer, const std::vector<ScreenBox>& fur
     (thing.keep == Keep::off ? taken : other).push_back(seen(thing.points, renderer));
   for (const Label& label : labels_) {
     const ScreenBox thing = seen(label.beside, renderer);
+    const bool in_view = thing.left <= view.right && thing.right >= view.left &&
+                         thing.bottom <= view.top && thing.top >= view.bottom;
+    label.actor->SetVisibility(in_view);
+    if (!in_view) continue;
     std::array<double, 4> text{};
     label.actor->GetBoundingBox(&renderer, text.data());
     const double wide = text[1] - text[0] + 1, high = text[3] - text[2] + 1;
@@ -141,8 +146,8 @@ void SceneLabels::place(vtkRenderer& renderer, const std::vector<ScreenBox>& fur
     const double from_x = near(to_x, best.left, best.right),
                  from_y = near(to_y, best.bottom, best.top);
     if (std::hypot(to_x - from_x, to_y - from_y) > std::max(high, 2 * gap)) {
-      const vtkIdType first = ends->InsertNextPoint(from_x, from_y, 0);
-      ends->InsertNextPoint(to_x, to_y, 0);
+      const vtkIdType first = ends->InsertNextPoint(from_x - corner[0], from_y - corner[1], 0);
+      ends->InsertNextPoint(to_x - corner[0], to_y - corner[1], 0);
       lines->InsertNextCell({first, first + 1});
     }
     label.actor->SetDisplayPosition(static_cast<int>(best.left - text[0]),
