@@ -32,6 +32,7 @@ EyeLayer::EyeLayer(vtkRenderer& renderer) : renderer_(renderer) {
   texture->SetInputData(image_);
   texture->InterpolateOn();
   texture->SetColorModeToDirectScalars();
+  texture->RepeatOff();  // else the other edge shines through
   texture->EdgeClampOn();
   actor_->SetMapper(mapper);
   actor_->SetTexture(texture);
@@ -85,6 +86,21 @@ void EyeLayer::set_look(double exposure, const Box& kept) {
   if (exposure == exposure_) return;
   exposure_ = exposure;
   if (light_) develop();
+}
+
+/// Behind the eye, their picture would stand close before it, in front of everything.
+bool EyeLayer::is_ahead() const {
+  vtkCamera& camera = *renderer_.GetActiveCamera();
+  const auto vec = [](const double* v) { return Vec3{v[0], v[1], v[2]}; };
+  const Vec3 eye = vec(camera.GetPosition()) - shift_,
+             ahead = vec(camera.GetDirectionOfProjection());
+  const Box box = flame_->box();
+  const auto farthest = [](double way, double lower, double upper) {
+    return std::max(way * lower, way * upper);
+  };
+  return farthest(ahead.x, box.lower.x, box.upper.x) + farthest(ahead.y, box.lower.y, box.upper.y) +
+             farthest(ahead.z, box.lower.z, box.upper.z) >
+         dot(eye, ahead);
 }
 
 /// The rectangle around the flames as they are seen, as far as the view shows it.
@@ -170,8 +186,11 @@ void EyeLayer::develop() {
 }
 
 void EyeLayer::follow_camera() {
-  actor_->SetVisibility(visible_ && has_light());
-  if (!actor_->GetVisibility()) return;
+  actor_->SetVisibility(visible_ && has_light() && is_ahead());
+  if (!actor_->GetVisibility()) {
+    outdated_ = fine_ = true;  // nothing is waited for
+    return;
+  }
   vtkCamera& camera = *renderer_.GetActiveCamera();
   const int* const size = renderer_.GetSize();
   std::array<double, 14> now{};

@@ -44,6 +44,7 @@ class EyeLayer : public QObject {
   void changed();
 
  private:
+  bool is_ahead() const;
   EyeWindow window() const;
   void place(const EyeWindow& window);
   void take(std::shared_ptr<const EyeLight> light);
