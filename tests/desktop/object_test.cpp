@@ -4,6 +4,8 @@
 #include <QComboBox>
 #include <QToolButton>
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "gui_tests.h"
 #include "scene_fixture.h"
@@ -90,6 +92,49 @@ class ObjectTest : public test::SceneFixture {
       for (int x = lens.left(); x <= lens.right(); ++x)
         white += qGray(picture.pixel(x, y)) > 140 ? 1 : 0;
     QVERIFY2(white > 20, qPrintable(QString::number(white)));
+  }
+
+  /// The wheel alone, over the array, leads from the whole scene to the microlenses.
+  void wheelLeadsToTheMicrolensesOfThreeTypes() {
+    QVERIFY(open_example("lenslets-30"));
+    QVERIFY(part(Qt::Key_1));
+    // Middles by arithmetic: 1 mm apart in a hexagonal lattice, half a pitch beside the axis.
+    const double front = scene().camera.array_front(), row = std::sqrt(0.75);
+    const auto middle = [&](int q, int r) {
+      return world({1e-3 * (q + 0.5 * r + 0.5), 1e-3 * row * r, front});
+    };
+    const auto seen_far = [&](double across) {
+      const QPointF step = view().to_widget(middle(-1, 2)) - view().to_widget(middle(0, 0));
+      return std::hypot(step.x(), step.y()) > across * 2 * row;
+    };
+    for (int i = 0; i < 60 && !seen_far(40); ++i) {
+      wheel(scene3d(), view().to_widget(middle(0, 0)), 1);
+      QVERIFY(settled());
+    }
+    QVERIFY(seen_far(40));
+    const QImage picture = view().picture();
+    if (const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR"); !folder.isEmpty())
+      picture.save(folder + "/wheel.png");
+    std::array<int, 3> all{}, right{};
+    for (int q = -9; q <= 9; ++q)
+      for (int r = -9; r <= 9; ++r) {
+        const QPointF place = scene3d()->devicePixelRatioF() * view().to_widget(middle(q, r));
+        if (!picture.rect().adjusted(10, 10, -10, -60).contains(place.toPoint())) continue;
+        const QColor c = picture.pixelColor(place.toPoint());
+        const auto type = static_cast<std::size_t>(((q - r) % 3 + 3) % 3);
+        // Okabe and Ito: blue, orange, green. The lens before it may cover one's middle.
+        const std::array<int, 3> of{c.blue(), c.red(), c.green()};
+        ++all[type];
+        right[type] += of[type] > std::max(of[(type + 1) % 3], of[(type + 2) % 3]) + 5 ? 1 : 0;
+      }
+    for (const std::size_t type : {0U, 1U, 2U})
+      QVERIFY2(all[type] > 10 && right[type] > 0.7 * all[type],
+               qPrintable(QString("%1: %2 of %3").arg(type).arg(right[type]).arg(all[type])));
+    // They are glass, in which windows of a room are seen, and no painted plate.
+    int white = 0;
+    for (int y = 0; y < picture.height() - 60; ++y)
+      for (int x = 0; x < picture.width(); ++x) white += qBlue(picture.pixel(x, y)) > 190 ? 1 : 0;
+    QVERIFY2(white > 500, qPrintable(QString::number(white)));
   }
 
   void axesCoverNoFlame() {

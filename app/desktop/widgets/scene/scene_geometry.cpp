@@ -14,7 +14,6 @@
 #include <utility>
 
 #include "picture_camera.h"
-#include "plenoflame/camera/camera.h"
 #include "plenoflame/scene/glass_indices.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
@@ -24,11 +23,6 @@
 namespace plenoflame::desktop {
 namespace {
 
-/// Largest number of single microlenses of the whole camera; above it their plate is drawn.
-/// Software OpenGL takes a quarter of a second for a thousand of them, each of two surfaces and
-/// seen through others.
-constexpr int kMostMicrolenses = 150;
-
 ThingSeen thing_in(const double* bounds, bool flat = false) {
   std::array<double, 6> box{};
   std::copy_n(bounds, box.size(), box.begin());
@@ -37,52 +31,34 @@ ThingSeen thing_in(const double* bounds, bool flat = false) {
 
 }  // namespace
 
-SceneGeometry::SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
-                             const std::vector<CameraSpec>& other_cameras) {
-  add(scene.camera);
-  for (const CameraSpec& neighbour : other_cameras) {
-    Scene seen_by = scene;
-    seen_by.camera = neighbour;
-    vtkNew<vtkPlenoflameScene> holder;
-    holder->SetScene(seen_by);
-    vtkNew<vtkPlenoflameCameraSource> source;
-    source->SetInputDataObject(holder);
-    source->SetLevelOfDetail(vtkPlenoflameCameraSource::PLATE);
-    source->Update();
-    Other other{vtkSmartPointer<vtkMultiBlockDataSet>::New(), vtkSmartPointer<vtkImageData>::New()};
-    other.camera->ShallowCopy(source->GetOutput());
-    other.plate_texture->DeepCopy(source->GetPlateTexture());
-    others.push_back(other);
-    set_indices(seen_by);
-    add(seen_by.camera);
+SceneGeometry::SceneGeometry(Scene scene, const std::vector<CameraSpec>& others) {
+  add(scene);
+  for (const CameraSpec& other : others) {
+    scene.camera = other;
+    set_indices(scene);
+    add(scene);
   }
-  vtkNew<vtkPlenoflameScene> holder;
-  holder->SetScene(scene);
-  vtkNew<vtkPlenoflameCameraSource> source;
-  source->SetInputDataObject(holder);
-  source->SetMaximumNumberOfMicrolenses(kMostMicrolenses);
-  source->Update();
-  camera = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-  camera->ShallowCopy(source->GetOutput());
-  plate_texture = vtkSmartPointer<vtkImageData>::New();
-  plate_texture->DeepCopy(source->GetPlateTexture());
-  const CameraSpec& spec = scene.camera;
-  if (!spec.array.present) return;
-  vtkNew<vtkPlenoflameCameraSource> close;
-  close->SetInputDataObject(holder);
-  close->SetLevelOfDetail(vtkPlenoflameCameraSource::WINDOW);
-  const int span = std::max(4, static_cast<int>(5 * spec.array.pitch / spec.sensor.pixel_pitch));
-  close->SetWindow(pixel[0] - span / 2, pixel[1] - span / 2, span, span);
-  close->SetMicrolensResolution(28);
-  close->Update();
-  detail = vtkSmartPointer<vtkMultiBlockDataSet>::New();
-  detail->ShallowCopy(close->GetOutput());
 }
 
-void SceneGeometry::add(const CameraSpec& camera_spec) {
-  const Camera added(camera_spec);
-  cameras.emplace_back(added);
-  housings.push_back({housing_of(added, true), housing_of(added, false)});
+void SceneGeometry::add(const Scene& scene) {
+  using Source = vtkPlenoflameCameraSource;
+  vtkNew<vtkPlenoflameScene> holder;
+  holder->SetScene(scene);
+  vtkNew<Source> source;
+  source->SetInputDataObject(holder);
+  source->SetLevelOfDetail(Source::PLATE);
+  source->Update();
+  const Camera camera(scene.camera);
+  const auto parts = vtkSmartPointer<vtkMultiBlockDataSet>::New();
+  parts->ShallowCopy(source->GetOutput());
+  const vtkSmartPointer<vtkPolyData> plate =
+      vtkPolyData::SafeDownCast(parts->GetBlock(Source::ARRAY_PLATE));
+  parts->SetBlock(Source::ARRAY_PLATE, nullptr);
+  const auto texture = vtkSmartPointer<vtkImageData>::New();
+  texture->DeepCopy(source->GetPlateTexture());
+  drawn.push_back(
+      {camera, parts, plate, texture, {housing_of(camera, true), housing_of(camera, false)}});
+  cameras.emplace_back(camera);
 }
 
 void SceneGeometry::add_surroundings(const Scene& scene) {

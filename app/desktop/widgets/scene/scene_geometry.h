@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "model/schematic.h"
+#include "plenoflame/camera/camera.h"
 #include "plenoflame/image/image.h"
 #include "plenoflame/scene/scene.h"
 #include "surface_props.h"
@@ -18,29 +19,27 @@ namespace plenoflame::desktop {
 
 /// All that is drawn of a scene in 3-D; made on any thread.
 struct SceneGeometry {
-  vtkSmartPointer<vtkMultiBlockDataSet> camera, detail;
-  vtkSmartPointer<vtkImageData> plate_texture, flame;
+  vtkSmartPointer<vtkImageData> flame;
 
-  /// A camera beside the one that everything is about.
-  struct Other {
-    vtkSmartPointer<vtkMultiBlockDataSet> camera;
+  struct Drawn {
+    Camera optics;
+    vtkSmartPointer<vtkMultiBlockDataSet> parts;  ///< all but the array
+    vtkSmartPointer<vtkPolyData> plate;           ///< as which the array is seen from afar
     vtkSmartPointer<vtkImageData> plate_texture;
+    std::array<vtkSmartPointer<vtkPolyData>, 2> housings;  ///< cut open, closed
   };
-  std::vector<Other> others;
-  std::vector<CameraOnAxis> cameras;  ///< the one that everything is about, then the others
-  /// Bodies of the same cameras, cut open and closed.
-  std::vector<std::array<vtkSmartPointer<vtkPolyData>, 2>> housings;
+  std::vector<Drawn> drawn;           ///< the camera that everything is about, then the others
+  std::vector<CameraOnAxis> cameras;  ///< the same
   views::SolidSurfaces solids;
   std::vector<std::vector<Vec3>> windows;  ///< their outlines
 
-  /// The cameras, and the microlenses near a pixel; nothing before them yet.
-  SceneGeometry(const Scene& scene, const std::array<int, 2>& pixel,
-                const std::vector<CameraSpec>& others = {});
+  /// The cameras; nothing before them yet.
+  explicit SceneGeometry(Scene scene, const std::vector<CameraSpec>& others = {});
   /// The solid surfaces and windows of the scene, once its flame is there.
   /// @throws FileError, InputError of mesh and texture files
   void add_surroundings(const Scene& scene);
-  /// Adds a camera, as a whole.
-  void add(const CameraSpec& camera);
+  /// Adds the scene's camera, as a whole.
+  void add(const Scene& scene);
   /// The things that the cameras look at.
   std::vector<ThingSeen> things() const;
 };

@@ -48,6 +48,7 @@
 #include "plenoflame/scene/scene_file.h"
 #include "scene_props.h"
 #include "surface_props.h"
+#include "vtkPlenoflameCameraSource.h"
 #include "widgets/controls/notice.h"
 #include "widgets/controls/pointer.h"
 #include "widgets/controls/tool_row.h"
@@ -65,6 +66,7 @@ namespace {
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kLightPoints = 112;
 constexpr int kSensorTexture = 640;
+constexpr double kGlass = 0.45;  ///< opacity of lenses
 
 /// Parts that are made for paper are seen before the dark, too.
 void stand_out(vtkActor& part) {
@@ -102,16 +104,9 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   v.scale_bar = std::make_unique<ScaleBar>(*v.renderer);
   v.eye = std::make_unique<EyeLayer>(*v.renderer);
   connect(v.eye.get(), &EyeLayer::changed, this, &SceneView::render);
-  v.before_drawing->SetClientData(&v);
-  v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* drawn_by, void*) {
-    auto* const drawn = static_cast<View*>(drawn_by);
-    // VTK 9.1 now and then keeps an aspect of 1. The flame has rays of its own: it would then stand
-    // beside its place, or outside of the picture.
-    drawn->renderer->SetAspect(drawn->renderer->GetTiledAspectRatio(), 1);
-    drawn->eye->follow_camera();
-    fit_clipping(*drawn->renderer);
-    drawn->scale_bar->update(*drawn->renderer);
-    drawn->place_labels();
+  v.before_drawing->SetClientData(this);
+  v.before_drawing->SetCallback([](vtkObject*, unsigned long, void* self, void*) {
+    static_cast<SceneView*>(self)->follow_eye();
   });
   v.renderer->AddObserver(vtkCommand::StartEvent, v.before_drawing);
   v.turning->SetClientData(&v);
@@ -120,6 +115,11 @@ SceneView::SceneView(QWidget* parent) : QWidget(parent), view_(std::make_unique<
   });
   v.style->AddObserver(vtkCommand::StartInteractionEvent, v.turning);
   v.style->AddObserver(vtkCommand::EndInteractionEvent, v.turning);
+  v.rest.setSingleShot(true);
+  connect(&v.rest, &QTimer::timeout, this, [this] {
+    view_->sort_glass(true);
+    render();
+  });
   v.ruler->SetInteractor(interactor);
   set_up_ruler(*v.ruler);
   v.ruler_moved->SetClientData(this);
@@ -164,6 +164,18 @@ SceneView::~SceneView() {
   view_->style->RemoveAllObservers();
 }
 
+void SceneView::follow_eye() {
+  View& v = *view_;
+  // VTK 9.1 now and then keeps an aspect of 1. The flame has rays of its own: it would then stand
+  // beside its place, or outside of the picture.
+  v.renderer->SetAspect(v.renderer->GetTiledAspectRatio(), 1);
+  v.eye->follow_camera();
+  fit_clipping(*v.renderer);
+  add_arrays();
+  v.scale_bar->update(*v.renderer);
+  v.place_labels();
+}
+
 double SceneView::measured() const {
   if (!measure_->isChecked() || view_->ruler->GetWidgetState() == vtkDistanceWidget::Start)
     return 0;
@@ -196,8 +208,7 @@ void SceneView::warm_up() {
   warm_ = true;
   view_->widget->grabFramebuffer();  // from here on there is something to draw with
   const Scene scene = parse_scene("[camera]\npreset = \"paper-previous-60x60\"\n", "").scene;
-  geometry_ = std::make_shared<SceneGeometry>(
-      scene, std::array<int, 2>{scene.camera.sensor.columns / 2, scene.camera.sensor.rows / 2});
+  geometry_ = std::make_shared<SceneGeometry>(scene);
   geometry_->flame = small_flame();
   temperatures_ = {1000, 2000};
   image_ = std::make_shared<const ImagePyramid>(std::make_shared<const Image>(8, 8, 1.0F),
@@ -224,7 +235,7 @@ void SceneView::warm_up() {
   image_ = nullptr;
   rays_ = nullptr;
   temperatures_ = {0, 0};
-  for (const char* layer : {"camera", "housing", "flame", "rays"})
+  for (const char* layer : {"camera", "arrays", "housing", "flame", "rays"})
     view_->replace(layer, [](vtkRenderer&) {});
   view_->window->Render();
 }
@@ -254,7 +265,7 @@ void SceneView::clear() {
   aimed_ = along_axis_ = false;
   schematic_ = {};
   other_schematics_.clear();
-  for (const char* layer : {"camera", "housing", "flame", "surroundings", "rays", "gaps"})
+  for (const char* layer : {"camera", "arrays", "housing", "flame", "surroundings", "rays", "gaps"})
     view_->replace(layer, [](vtkRenderer&) {});
   find_ways();
   place_handles();
@@ -296,15 +307,11 @@ void SceneView::build_geometry() {
   if (!scene_ || held_) return;
   find_light();
   const unsigned number = ++newest_;
-  std::array<int, 2> pixel{scene_->scene.camera.sensor.columns / 2,
-                           scene_->scene.camera.sensor.rows / 2};
-  if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
-    pixel = {rays_->selection.column, rays_->selection.row};
-  task_.request([this, scene = scene_, others = others_, number, pixel](std::stop_token stop) {
+  task_.request([this, scene = scene_, others = others_, number](std::stop_token stop) {
     Execution execution;
     execution.stop = std::move(stop);
     try {
-      const auto built = std::make_shared<SceneGeometry>(scene->scene, pixel, others);
+      const auto built = std::make_shared<SceneGeometry>(scene->scene, others);
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
       if (built->flame) show_glow(*scene->medium, *built->flame, execution);
@@ -375,40 +382,72 @@ void SceneView::show_all() {
 
 void SceneView::add_camera() {
   if (!geometry_) return;
-  const bool close = is_close() && geometry_->detail;
-  const auto camera = placed(*geometry_->camera, schematic_);
   vtkSmartPointer<vtkImageData> texture;
   if (image_ && !image_->empty())
     texture = texture_of(image_->level(image_->level_within(kSensorTexture)));
   view_->replace("camera", [&](vtkRenderer& renderer) {
-    views::add_camera(close ? *geometry_->detail : *camera, geometry_->plate_texture, texture,
-                      close ? 0.45 : 0.4, renderer);
-    for (std::size_t i = 0; i < geometry_->others.size(); ++i) {
-      const SceneGeometry::Other& other = geometry_->others[i];
-      views::add_camera(*placed(*other.camera, schematic_of_other(i)), other.plate_texture, nullptr,
-                        0.4, renderer);
+    for (std::size_t i = 0; i < geometry_->drawn.size(); ++i)
+      views::add_camera(*placed(*geometry_->drawn[i].parts, schematic_of(i)), nullptr,
+                        i == 0 ? texture : nullptr, kGlass, renderer);
+  });
+  polish("camera");
+  view_->arrays.clear();
+  add_arrays();
+  add_housings();
+}
+
+void SceneView::add_arrays() {
+  if (!geometry_) return;
+  const auto& cameras = geometry_->drawn;
+  std::vector<ArrayPart>& shown = view_->arrays;
+  bool changed = shown.size() != cameras.size();
+  shown.resize(cameras.size());
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    const Camera& camera = cameras[i].optics;
+    if (!camera.has_array()) continue;
+    const bool near_pixel = i == 0 && is_close();
+    const ArrayPart part = near_pixel ? lenses_near(camera, pixel())
+                                      : large_lenses(camera, schematic_of(i), *view_->renderer);
+    if (part == shown[i] || (!near_pixel && shown[i].suits(part))) continue;
+    shown[i] = near_pixel || part.empty() ? part : with_margin(part, camera);
+    changed = true;
+  }
+  if (!changed) return;
+  view_->replace("arrays", [&](vtkRenderer& renderer) {
+    for (std::size_t i = 0; i < cameras.size(); ++i) {
+      if (!cameras[i].plate) continue;
+      vtkNew<vtkMultiBlockDataSet> array;
+      const bool plate = shown[i].empty();
+      array->SetBlock(
+          plate ? vtkPlenoflameCameraSource::ARRAY_PLATE : vtkPlenoflameCameraSource::MICROLENSES,
+          placed(plate ? cameras[i].plate : lenses_of(cameras[i].optics, shown[i]),
+                 schematic_of(i)));
+      views::add_camera(*array, cameras[i].plate_texture, nullptr, kGlass, renderer);
     }
   });
-  for (const auto& prop : view_->layers["camera"])
+  polish("arrays");
+}
+
+void SceneView::polish(const std::string& layer) {
+  for (const auto& prop : view_->layers[layer])
     if (auto* actor = vtkActor::SafeDownCast(prop)) {
       stand_out(*actor);
       if (!actor->GetTexture() && actor->GetProperty()->GetOpacity() < 0.5) mirror_a_room(*actor);
     }
-  add_housings();
 }
 
 void SceneView::add_housings() {
   view_->replace("housing", [&](vtkRenderer& renderer) {
-    for (std::size_t i = 0; i < geometry_->cameras.size(); ++i)
+    for (std::size_t i = 0; i < geometry_->drawn.size(); ++i)
       if (auto* const housing = housing_shown(i))
-        add_housing(*placed(housing, i == 0 ? schematic_ : schematic_of_other(i - 1)), renderer);
+        add_housing(*placed(housing, schematic_of(i)), renderer);
   });
 }
 
 vtkPolyData* SceneView::housing_shown(std::size_t camera) const {
   const auto chosen = static_cast<Housing>(housing_->currentIndex());
   if (is_close() || chosen == Housing::none) return nullptr;
-  return geometry_->housings.at(camera)[chosen == Housing::closed ? 1 : 0];
+  return geometry_->drawn.at(camera).housings[chosen == Housing::closed ? 1 : 0];
 }
 
 void SceneView::add_surroundings() {
@@ -439,12 +478,9 @@ void SceneView::add_rays() {
 }
 
 void SceneView::set_rays(std::shared_ptr<const SelectedRays> rays, int chosen) {
-  const bool moved = rays && rays->selection.kind == Selection::Kind::pixel &&
-                     !(rays_ && rays_->selection == rays->selection);
   rays_ = std::move(rays);
   highlighted_ = chosen;
   add_rays();
-  if (moved && geometry_) build_geometry();  // the microlenses near the pixel
   if (part_ == Part::pixel || part_ == Part::array) aim();
   render();
 }
@@ -517,7 +553,7 @@ std::array<double, 2> SceneView::clipping_range() const {
 
 bool SceneView::is_current() const {
   return built_ == newest_ && view_->hidden.empty() && !render_later_.isActive() && light_known_ &&
-         view_->eye->is_fine();
+         !view_->rest.isActive() && view_->eye->is_fine();
 }
 
 QImage SceneView::poster(const QSize& size, const QColor& background, double& metres) {
@@ -541,6 +577,7 @@ QImage SceneView::poster(const QSize& size, const QColor& background, double& me
 QImage SceneView::picture() {
   show_all();
   render_later_.stop();
+  view_->sort_glass(true);
   // While somebody turns the scene the flame is drawn as coarsely as the machine is slow: not here.
   std::vector<vtkFixedPointVolumeRayCastMapper*> mappers;
   for (const auto& prop : view_->layers["flame"])

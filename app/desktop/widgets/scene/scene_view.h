@@ -143,6 +143,14 @@ class SceneView : public QWidget {
   void find_light();
   void add_rays();
   void add_camera();
+  /// Middle of the selected pixel, or of the sensor [columns, rows].
+  std::array<double, 2> pixel() const;
+  /// Microlenses where they are seen large, plates elsewhere.
+  void add_arrays();
+  /// Before each drawing: whatever depends on the eye's place.
+  void follow_eye();
+  /// Makes the parts of a camera seen before the dark, and its glass mirror.
+  void polish(const std::string& layer);
   void add_housings();
   /// The body of a camera, where it is in the world; null: none is shown.
   vtkPolyData* housing_shown(std::size_t camera) const;
@@ -155,8 +163,15 @@ class SceneView : public QWidget {
   std::vector<Vec3> drawn_subject(Vec3& from) const;
   /// Place at which a point of the drawing is seen, on the widget "scene3d" [logical pixel].
   QPointF drawn_to_widget(const Vec3& drawn) const;
-  /// Drawing of the axis of a further camera.
-  Schematic schematic_of_other(std::size_t number) const;
+  /// The reverse. @param depth as VTK's: 0 at the near plane, 1 at the far one
+  Vec3 drawn_at(const QPointF& place, double depth) const;
+  /// The point of the drawing that is seen there. It lies on a surface, in the flame's middle, or
+  /// in the plane through the middle of the view.
+  Vec3 thing_at(const QPointF& place) const;
+  /// Moves the eye towards the thing there.
+  void zoom(const QPointF& place, double factor);
+  /// Drawing of the axis of a camera: 0 is the one that everything is about.
+  Schematic schematic_of(std::size_t camera) const;
   void aim();
   /// True while the user has not turned, moved or zoomed the view since it was aimed.
   bool is_as_aimed() const;

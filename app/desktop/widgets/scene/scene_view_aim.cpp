@@ -4,6 +4,7 @@
 
 #include <QAction>
 #include <QMouseEvent>
+#include <QWheelEvent>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -22,6 +23,7 @@ namespace {
 
 /// Extent of the shown walls and floors, relative to the things in front of them.
 constexpr double kGroundShare = 1.6;
+constexpr int kRest = 150;          ///< [ms] after the last turn of the wheel
 constexpr double kBarShare = 0.16;  ///< of the view's width, that the bar of colours takes
 
 views::Subject subject_of(SceneView::Part part) {
@@ -37,6 +39,10 @@ views::Subject subject_of(SceneView::Part part) {
       break;
   }
   return views::Subject::array;
+}
+
+Vec3 vec(const double* p) {
+  return {p[0], p[1], p[2]};
 }
 
 std::vector<Vec3> corners_of(const vtkBoundingBox& box) {
@@ -56,6 +62,15 @@ QPointF SceneView::drawn_to_widget(const Vec3& drawn) const {
   return {p[0] / ratio, (size[1] - 1 - p[1]) / ratio};
 }
 
+Vec3 SceneView::drawn_at(const QPointF& place, double depth) const {
+  const double ratio = view_->widget->devicePixelRatioF();
+  const int* const size = view_->renderer->GetSize();
+  view_->renderer->SetDisplayPoint(place.x() * ratio, size[1] - 1 - place.y() * ratio, depth);
+  view_->renderer->DisplayToWorld();
+  const double* const p = view_->renderer->GetWorldPoint();
+  return {p[0] / p[3], p[1] / p[3], p[2] / p[3]};
+}
+
 QPointF SceneView::to_widget(const Vec3& world) const {
   return drawn_to_widget(schematic_.place(world));
 }
@@ -63,7 +78,7 @@ QPointF SceneView::to_widget(const Vec3& world) const {
 std::vector<QPointF> SceneView::other_cameras_seen() const {
   std::vector<QPointF> places;
   for (std::size_t i = 0; i < others_.size(); ++i)
-    places.push_back(drawn_to_widget(schematic_of_other(i).place(others_[i].position)));
+    places.push_back(drawn_to_widget(schematic_of(i + 1).place(others_[i].position)));
   return places;
 }
 
@@ -81,6 +96,13 @@ void SceneView::add_solids(std::vector<Vec3>& points) const {
   }
   const std::vector<Vec3> corners = corners_of(all);
   points.insert(points.end(), corners.begin(), corners.end());
+}
+
+std::array<double, 2> SceneView::pixel() const {
+  if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
+    return {rays_->selection.column + 0.5, rays_->selection.row + 0.5};
+  const SensorSpec& sensor = geometry_->drawn.front().optics.spec().sensor;
+  return {0.5 * sensor.columns, 0.5 * sensor.rows};
 }
 
 std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
@@ -117,7 +139,7 @@ std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
       for (std::size_t i = 0; i < others_.size() && i + 1 < geometry_->cameras.size(); ++i) {
         const CameraOnAxis& other = geometry_->cameras[i + 1];
         for (const double along : {other.sensor, 0.0})
-          of_others.push_back(schematic_of_other(i).place(other.position + along * other.axis));
+          of_others.push_back(schematic_of(i + 1).place(other.position + along * other.axis));
       }
       break;
     case Part::flame: {
@@ -135,13 +157,11 @@ std::vector<Vec3> SceneView::drawn_subject(Vec3& from) const {
       break;
     case Part::array:
     case Part::pixel: {
-      std::array<double, 2> pixel{0.5 * spec.sensor.columns, 0.5 * spec.sensor.rows};
-      if (rays_ && rays_->selection.kind == Selection::Kind::pixel)
-        pixel = {rays_->selection.column + 0.5, rays_->selection.row + 0.5};
+      const auto [column, row] = pixel();
       const double pitch = spec.array.present ? spec.array.pitch : 10 * spec.sensor.pixel_pitch;
       const double half = (part_ == Part::array ? 2.5 : 0.75) * pitch;
       const double sensor = scene_->camera.sensor();
-      add_box(scene_->camera.sensor_point(pixel[0], pixel[1]), half, sensor,
+      add_box(scene_->camera.sensor_point(column, row), half, sensor,
               spec.array.present ? scene_->camera.array_front() : sensor + 4 * half);
       break;
     }
@@ -238,8 +258,6 @@ void SceneView::look_as(SceneView& other) {
     });
     from->view_->style->AddObserver(vtkCommand::InteractionEvent, &moved);
     from->view_->style->AddObserver(vtkCommand::EndInteractionEvent, &moved);
-    from->view_->style->AddObserver(vtkCommand::MouseWheelForwardEvent, &moved);
-    from->view_->style->AddObserver(vtkCommand::MouseWheelBackwardEvent, &moved);
   }
 }
 
@@ -266,6 +284,11 @@ bool SceneView::eventFilter(QObject* object, QEvent* event) {
     }
   }
   if (object == view_->widget) {
+    if (event->type() == QEvent::Wheel) {
+      const auto* const wheel = static_cast<QWheelEvent*>(event);
+      zoom(wheel->position(), std::pow(2.0, wheel->angleDelta().y() / 240.0));
+      return true;
+    }
     // VTK's own keys, from wire frames to pictures for red and green glasses, are not for users:
     // key presses go to the window.
     if (event->type() == QEvent::KeyPress || event->type() == QEvent::KeyRelease) {
@@ -281,17 +304,57 @@ bool SceneView::eventFilter(QObject* object, QEvent* event) {
   return QWidget::eventFilter(object, event);
 }
 
+Vec3 SceneView::thing_at(const QPointF& place) const {
+  vtkRenderer& renderer = *view_->renderer;
+  vtkCamera& camera = *renderer.GetActiveCamera();
+  const Vec3 eye = vec(camera.GetPosition()), ahead = vec(camera.GetDirectionOfProjection());
+  const Vec3 way = normalize(drawn_at(place, 0.5) - eye);
+  const auto at_depth = [&](double depth) { return eye + depth / dot(way, ahead) * way; };
+  const double ratio = view_->widget->devicePixelRatioF();
+  const double surface =
+      renderer.GetZ(static_cast<int>(place.x() * ratio),
+                    renderer.GetSize()[1] - 1 - static_cast<int>(place.y() * ratio));
+  double depth = surface < 1 ? dot(drawn_at(place, surface) - eye, ahead) : 1e300;
+  // Arrays and flames are transparent: they are no surfaces.
+  for (std::size_t i = 0; geometry_ && i < geometry_->drawn.size(); ++i) {
+    const Camera& optics = geometry_->drawn[i].optics;
+    if (!optics.has_array()) continue;
+    const RigidTransform inverse = optics.to_world().inverse();
+    const Vec3 origin = inverse.point(eye - array_shift(optics, schematic_of(i))),
+               along = inverse.direction(way);
+    const double t = (optics.array_front() - origin.z) / along.z;
+    const Vec3 p = origin + t * along;
+    if (t > 0 && whole_array(optics).has({p.x, p.y})) depth = std::min(depth, t * dot(way, ahead));
+  }
+  if (geometry_ && geometry_->flame && shows_flame()) {
+    vtkBoundingBox box(geometry_->flame->GetBounds());
+    std::array<double, 3> centre{};
+    box.GetCenter(centre.data());
+    const Vec3 middle = schematic_.place(vec(centre.data()));
+    const double of_flame = dot(middle - eye, ahead);
+    const Vec3 p = at_depth(of_flame) - middle + vec(centre.data());
+    if (of_flame > 0 && of_flame < depth && box.ContainsPoint(p.x, p.y, p.z)) depth = of_flame;
+  }
+  return at_depth(depth < 1e300 ? depth : camera.GetDistance());
+}
+
+void SceneView::zoom(const QPointF& place, double factor) {
+  vtkCamera& camera = *view_->renderer->GetActiveCamera();
+  const Vec3 ahead = vec(camera.GetDirectionOfProjection()), at = thing_at(place);
+  const Vec3 eye = at - (1 / factor) * (at - vec(camera.GetPosition()));
+  // The scale bar, and turning, are about the plane in which the thing is.
+  const Vec3 middle = eye + dot(at - eye, ahead) * ahead;
+  camera.SetPosition(eye.x, eye.y, eye.z);
+  camera.SetFocalPoint(middle.x, middle.y, middle.z);
+  view_->style->InvokeEvent(vtkCommand::InteractionEvent);  // for a view with the same camera
+  view_->sort_glass(false);
+  view_->window->Render();  // the next turn of the wheel asks for depths
+  view_->rest.start(kRest);
+}
+
 Selection SceneView::target_at(const QPointF& place) const {
   if (!scene_) return {};
-  const double ratio = view_->widget->devicePixelRatioF();
-  const int* const size = view_->renderer->GetSize();
-  const auto world_at = [&](double depth) {
-    view_->renderer->SetDisplayPoint(place.x() * ratio, size[1] - 1 - place.y() * ratio, depth);
-    view_->renderer->DisplayToWorld();
-    const double* const p = view_->renderer->GetWorldPoint();
-    return Vec3{p[0] / p[3], p[1] / p[3], p[2] / p[3]};
-  };
-  const Vec3 near = world_at(0), far = world_at(0.5);
+  const Vec3 near = drawn_at(place, 0), far = drawn_at(place, 0.5);
   const Vec3 way = normalize(far - near);
   if (is_close()) return target_of(*scene_, {near, way}, Targets::microlenses);
   if (part_ == Part::camera) return target_of(*scene_, {near, way}, Targets::sensor);

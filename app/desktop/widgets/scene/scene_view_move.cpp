@@ -67,12 +67,13 @@ void SceneView::update_schematic() {
   other_schematics_.erase(other_schematics_.begin());
 }
 
-Schematic SceneView::schematic_of_other(std::size_t number) const {
-  return number < other_schematics_.size() ? other_schematics_[number] : Schematic();
+Schematic SceneView::schematic_of(std::size_t camera) const {
+  if (camera == 0) return schematic_;
+  return camera <= other_schematics_.size() ? other_schematics_[camera - 1] : Schematic();
 }
 
 void SceneView::add_gaps_of(std::size_t camera, vtkRenderer& renderer) {
-  const Schematic schematic = camera == 0 ? schematic_ : schematic_of_other(camera - 1);
+  const Schematic schematic = schematic_of(camera);
   const CameraSpec& spec = camera == 0 ? scene_->scene.camera : others_[camera - 1];
   const Vec3 axis = normalize(spec.look_direction), right = normalize(cross(axis, spec.up)),
              up = cross(right, axis);
@@ -198,14 +199,11 @@ bool SceneView::drag_handle(QEvent::Type event, const QPointF& at) {
   renderer.SetWorldPoint(from.x, from.y, from.z, 1);
   renderer.WorldToDisplay();
   const double depth = renderer.GetDisplayPoint()[2];
-  const double ratio = view_->widget->devicePixelRatioF();
-  renderer.SetDisplayPoint(at.x() * ratio, renderer.GetSize()[1] - 1 - at.y() * ratio, depth);
-  renderer.DisplayToWorld();
-  const double* const p = renderer.GetWorldPoint();
-  std::array<double, 3> to{p[0] / p[3], p[1] / p[3], p[2] / p[3]};
+  const Vec3 to = drawn_at(at, depth);
+  std::array<double, 3> p{to.x, to.y, to.z};
   const View::Handle& handle = view_->handles[number];
-  handle.widget->GetHandleRepresentation()->SetWorldPosition(to.data());
-  emit moved(handle.flame, Vec3{to[0], to[1], to[2]} - handle.offset, stroke_);
+  handle.widget->GetHandleRepresentation()->SetWorldPosition(p.data());
+  emit moved(handle.flame, to - handle.offset, stroke_);
   render();
   return true;
 }

@@ -16,6 +16,7 @@
 #include <vtkSmartPointer.h>
 
 #include <QElapsedTimer>
+#include <QTimer>
 #include <map>
 #include <memory>
 #include <string>
@@ -23,6 +24,7 @@
 
 #include "widgets/image/scale_bar.h"
 #include "widgets/scene/eye_layer.h"
+#include "widgets/scene/lens_detail.h"
 #include "widgets/scene/scene_labels.h"
 #include "widgets/scene/scene_view.h"
 
@@ -42,6 +44,7 @@ struct SceneView::View {
   vtkNew<vtkCallbackCommand> before_drawing;
   vtkNew<vtkCallbackCommand> turning;   ///< begins and ends
   vtkNew<vtkRenderStepsPass> in_order;  ///< draws glass as it comes
+  QTimer rest;                          ///< after turns of the wheel: then glass is sorted
   vtkNew<vtkDistanceWidget> ruler;
   vtkNew<vtkCallbackCommand> ruler_moved;
   vtkNew<vtkOrientationMarkerWidget> axes;
@@ -66,6 +69,7 @@ struct SceneView::View {
   QElapsedTimer light_since;
   vtkNew<vtkCallbackCommand> moved_elsewhere;  ///< of a camera that two views share
   std::map<std::string, std::vector<vtkSmartPointer<vtkProp>>> layers;
+  std::vector<ArrayPart> arrays;                 ///< whose microlenses are drawn one by one
   std::vector<vtkSmartPointer<vtkProp>> hidden;  ///< of the layers, until their turn comes
 
   void add_axes_cube();
