@@ -1,13 +1,22 @@
 #include "widgets/window/beside_window.h"
 
 #include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor.h>
+#include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
 #include <vtkColorTransferFunction.h>
+#include <vtkFixedPointVolumeRayCastMapper.h>
 #include <vtkFloatArray.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkImageData.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
 #include <vtkRenderWindowInteractor.h>
 #include <vtkRenderer.h>
 #include <vtkScalarBarActor.h>
@@ -21,21 +30,71 @@
 #include <QVBoxLayout>
 #include <algorithm>
 #include <array>
+#include <tuple>
+#include <vector>
 
 #include "colour_map.h"
 #include "flame_volume.h"
 #include "picture_annotation.h"
 #include "picture_camera.h"
+#include "plenoflame/base/units.h"
+#include "widgets/scene/scene_labels.h"
 
 namespace plenoflame::desktop {
 namespace {
 
 using Fields = ReconstructFields;
 
+constexpr double kBarTop = 0.14, kTitleBottom = 0.93;  ///< shares of the view's height
+constexpr double kEdgeInk = 0.5;
+constexpr float kSampleShare = 0.25F;  ///< of a voxel, between samples
+constexpr int kLabelSize = 14;
+
 const Fields::Field* field_named(const Fields& fields, const std::string& name) {
   for (const Fields::Field& field : fields.fields)
     if (field.name == name) return &field;
   return nullptr;
+}
+
+/// Corners of the box in which the flame was looked for [m]. Number 4 i + 2 k + l is at the upper
+/// end of x, y and z where i, k and l are 1.
+std::vector<Vec3> corners_of(const VoxelPlace& place) {
+  std::vector<Vec3> corners;
+  const auto at = [](double first, double spacing, std::size_t cells, int end) {
+    return first + spacing * (end * static_cast<double>(cells) - 0.5);
+  };
+  for (const int x : {0, 1})
+    for (const int y : {0, 1})
+      for (const int z : {0, 1})
+        corners.push_back({at(place.origin.x, place.spacing[0], place.size[0], x),
+                           at(place.origin.y, place.spacing[1], place.size[1], y),
+                           at(place.origin.z, place.spacing[2], place.size[2], z)});
+  return corners;
+}
+
+/// The edges of this box, three of them with their lengths.
+void add_box(const std::vector<Vec3>& corners, SceneLabels& labels, vtkRenderer& renderer) {
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> edges;
+  for (const Vec3& corner : corners) points->InsertNextPoint(corner.x, corner.y, corner.z);
+  for (vtkIdType from = 0; from < 8; ++from)
+    for (const vtkIdType axis : {1, 2, 4})
+      if ((from & axis) == 0) edges->InsertNextCell({from, from | axis});
+  vtkNew<vtkPolyData> box;
+  box->SetPoints(points);
+  box->SetLines(edges);
+  vtkNew<vtkPolyDataMapper> mapper;
+  mapper->SetInputData(box);
+  vtkNew<vtkActor> actor;
+  actor->SetMapper(mapper);
+  actor->GetProperty()->SetColor(kEdgeInk, kEdgeInk, kEdgeInk);
+  actor->GetProperty()->LightingOff();
+  renderer.AddActor(actor);
+  labels.clear();
+  // Edges at the rim of the box as it is seen first.
+  for (const auto& [name, from, to] : {std::tuple{"x ", 0U, 4U}, {"y ", 4U, 6U}, {"z ", 0U, 1U}})
+    labels.add(name + readable_quantity(length(corners[to] - corners[from]), Dimension::length, 3),
+               {0.5 * (corners[from] + corners[to])}, kLabelSize, renderer);
 }
 
 /// Values as a VTK volume. @param density how visible each place is
@@ -63,6 +122,8 @@ struct BesideWindow::View {
   vtkNew<vtkGenericOpenGLRenderWindow> window;
   vtkNew<vtkInteractorStyleTrackballCamera> style;
   std::array<vtkSmartPointer<vtkRenderer>, 2> renderers;
+  std::array<SceneLabels, 2> labels;
+  vtkNew<vtkCallbackCommand> before_drawing;
   bool aimed = false;
 };
 
@@ -77,11 +138,23 @@ BesideWindow::BesideWindow(QWidget* parent)
   v.widget->setObjectName("beside3d");
   v.widget->setRenderWindow(v.window);
   v.window->SetMultiSamples(0);
+  v.before_drawing->SetClientData(&v);
+  v.before_drawing->SetCallback([](vtkObject* drawn, unsigned long, void* drawn_by, void*) {
+    const View& view = *static_cast<View*>(drawn_by);
+    const std::size_t side = drawn == view.renderers[1] ? 1 : 0;
+    const int* const size = view.window->GetSize();
+    const double middle = 0.5 * size[0], low = kBarTop * size[1], high = kTitleBottom * size[1];
+    const double left = side == 0 ? 0 : middle;
+    view.labels[side].place(
+        *view.renderers[side],
+        {{left, 0, left + middle, low}, {left, high, left + middle, static_cast<double>(size[1])}});
+  });
   for (std::size_t side : {0U, 1U}) {
     v.renderers[side] = vtkSmartPointer<vtkRenderer>::New();
     v.renderers[side]->SetViewport(0.5 * static_cast<double>(side), 0,
                                    0.5 + 0.5 * static_cast<double>(side), 1);
     v.renderers[side]->SetBackground(0.04, 0.04, 0.05);
+    v.renderers[side]->AddObserver(vtkCommand::StartEvent, v.before_drawing);
     v.window->AddRenderer(v.renderers[side]);
   }
   // One camera: what is turned in one half is turned in both.
@@ -136,8 +209,15 @@ void BesideWindow::draw() {
       density = side == 0 ? &emission->found : &emission->truth;
     if (!values.empty()) {
       const auto image = image_of(fields_->place, values, *density);
-      renderer.AddVolume(views::flame_volume(*image, colours));
+      const auto volume = views::flame_volume(*image, colours);
+      // With a sample in each voxel, voxels that are seen aslant have stripes.
+      if (auto* mapper = vtkFixedPointVolumeRayCastMapper::SafeDownCast(volume->GetMapper())) {
+        mapper->SetSampleDistance(kSampleShare * mapper->GetSampleDistance());
+        mapper->SetInteractiveSampleDistance(mapper->GetSampleDistance());
+      }
+      renderer.AddVolume(volume);
     }
+    add_box(corners_of(fields_->place), view_->labels[side], renderer);
     vtkNew<vtkTextActor> title;
     title->SetInput(side == 0        ? "found"
                     : values.empty() ? "in the scene: not known"
@@ -155,6 +235,7 @@ void BesideWindow::draw() {
   // The empty line keeps the title above the labels.
   bar->SetTitle((field->name + " [" + field->unit + "]\n ").c_str());
   bar->SetNumberOfLabels(4);
+  bar->SetMaximumNumberOfColors(256);  // the map's own, with no steps to be seen
   bar->SetLabelFormat("%.4g");
   bar->SetUnconstrainedFontSize(true);
   for (auto* style : {bar->GetTitleTextProperty(), bar->GetLabelTextProperty()}) {
@@ -171,31 +252,17 @@ void BesideWindow::draw() {
   bar->SetHeight(0.13);
   view_->renderers[1]->AddActor2D(bar);
   if (!view_->aimed) {
-    const VoxelPlace& place = fields_->place;
-    std::vector<Vec3> corners;
-    for (const double x : {0.0, 1.0})
-      for (const double y : {0.0, 1.0})
-        for (const double z : {0.0, 1.0})
-          corners.push_back(place.origin +
-                            Vec3{x * static_cast<double>(place.size[0]) * place.spacing[0],
-                                 y * static_cast<double>(place.size[1]) * place.spacing[1],
-                                 z * static_cast<double>(place.size[2]) * place.spacing[2]});
-    views::look_at(corners, {-0.8, 0.5, -0.25}, {0, 0, 1}, 0.9, 10, *view_->renderers[0]);
+    views::look_at(corners_of(fields_->place), {-0.8, 0.5, -0.25}, {0, 0, 1}, 0.9, 10,
+                   *view_->renderers[0]);
+    view_->renderers[0]->GetActiveCamera()->SetWindowCenter(0, -kBarTop);  // above the bar
     view_->aimed = true;
   }
   view_->window->Render();
 }
 
-std::array<int, 2> BesideWindow::brightness() {
+QImage BesideWindow::picture() {
   view_->window->Render();
-  const QImage picture = view_->widget->grabFramebuffer();
-  std::array<int, 2> most{};
-  for (int y = picture.height() / 4; y < 3 * picture.height() / 4; ++y)
-    for (int x = 0; x < picture.width(); ++x) {
-      int& side = most[x < picture.width() / 2 ? 0 : 1];
-      side = std::max(side, qGray(picture.pixel(x, y)));
-    }
-  return most;
+  return view_->widget->grabFramebuffer();
 }
 
 }  // namespace plenoflame::desktop

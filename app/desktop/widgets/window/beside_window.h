@@ -16,8 +16,8 @@ class BesideWindow : public QDialog {
   explicit BesideWindow(QWidget* parent = nullptr);
   ~BesideWindow() override;
   void set_fields(std::shared_ptr<const ReconstructFields> fields);
-  /// Largest brightness of the left and the right half of the picture, 0 to 255, as drawn.
-  std::array<int, 2> brightness();
+  /// Both halves as they are drawn.
+  QImage picture();
 
  private:
   struct View;
