@@ -66,7 +66,7 @@ namespace {
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kLightPoints = 112;
 constexpr int kSensorTexture = 640;
-constexpr double kGlass = 0.45;  ///< opacity of lenses
+constexpr double kGlass = 0.4, kMicrolensGlass = 0.45;  ///< opacity
 
 /// Parts that are made for paper are seen before the dark, too.
 void stand_out(vtkActor& part) {
@@ -361,6 +361,8 @@ void SceneView::add_geometry() {
 
 void SceneView::add_layers() {
   add_camera();
+  view_->arrays.clear();
+  add_arrays();
   add_flame();
   add_surroundings();
   add_rays();
@@ -391,8 +393,6 @@ void SceneView::add_camera() {
                         i == 0 ? texture : nullptr, kGlass, renderer);
   });
   polish("camera");
-  view_->arrays.clear();
-  add_arrays();
   add_housings();
 }
 
@@ -422,7 +422,7 @@ void SceneView::add_arrays() {
           plate ? vtkPlenoflameCameraSource::ARRAY_PLATE : vtkPlenoflameCameraSource::MICROLENSES,
           placed(plate ? cameras[i].plate : lenses_of(cameras[i].optics, shown[i]),
                  schematic_of(i)));
-      views::add_camera(*array, cameras[i].plate_texture, nullptr, kGlass, renderer);
+      views::add_camera(*array, cameras[i].plate_texture, nullptr, kMicrolensGlass, renderer);
     }
   });
   polish("arrays");
