@@ -41,7 +41,7 @@ std::array<double, 3> point_option(std::string_view option, const std::string& t
 /// @throws UsageError for anything else, and for a box without volume
 Box box_option(std::string_view option, const std::string& text);
 
-/// What is wrong with the name of an output that must have one of these endings; empty: nothing.
+/// The fault of an output's name, which must have one of these endings; empty: none.
 std::string wrong_ending(const std::string& output, const std::vector<std::string>& endings);
 
 /// @throws UsageError for an output with a wrong ending
