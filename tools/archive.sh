@@ -27,7 +27,7 @@ while read -r file; do
 done < <(find "$tree" -type f \( -name '*.so*' -o -path '*/bin/plenoflame*' \))
 ln -s "$(realpath --relative-to "$tree" "$(dirname "$(dirname "$(find "$tree" -name '_core*.so')")")")" "$tree/python"
 # The terms of the libraries that come along.
-mapfile -t files < <(find "$libraries" -name '*.so*' -printf '*/%f\n')
+mapfile -t files < <(find "$libraries" -name '*.so*' -printf "/usr/lib/$(uname -m)-linux-gnu/%f\n/lib/$(uname -m)-linux-gnu/%f\n")
 for package in $(dpkg-query -S "${files[@]}" 2>/dev/null | sed 's/[:,].*//' | sort -u); do
   install -D -m 644 "/usr/share/doc/$package/copyright" "$tree/share/doc/plenoflame/licenses/$package"
 done

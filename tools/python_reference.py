@@ -54,6 +54,9 @@ def members(node):
         if isinstance(child, ast.FunctionDef) and not child.name.startswith("_") and child.name not in seen:
             seen.add(child.name)
             yield child
+        elif isinstance(child, ast.AnnAssign) and isinstance(child.value, ast.Call):  # a property that a helper makes
+            name, about = (ast.literal_eval(argument) for argument in child.value.args[:2])
+            yield ast.parse(f"@property\ndef {name}(self):\n    {about!r}").body[0]
 
 
 def write_function(function, name, level):

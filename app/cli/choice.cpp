@@ -19,16 +19,4 @@ CLI::Validator one_of(std::vector<std::string> words) {
   return CLI::Validator(check, "");
 }
 
-CLI::Validator ending_in(std::vector<std::string> endings) {
-  const auto check = [endings = std::move(endings)](const std::string& name) -> std::string {
-    std::string list;
-    for (const std::string& ending : endings) {
-      if (name.ends_with(ending)) return "";
-      list += (list.empty() ? "" : ending == endings.back() ? " or " : ", ") + ending;
-    }
-    return "'" + name + "' must end in " + list;
-  };
-  return CLI::Validator(check, "", "ending").active(false);
-}
-
 }  // namespace plenoflame::cli

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "options.h"
@@ -65,12 +66,16 @@ std::vector<std::string> files_of(const CLI::Option& option) {
 
 struct Output {
   std::string option, path;
+  CLI::Validator ending;
 };
 
 }  // namespace
 
-CLI::Validator written() {
-  return mark(kWritten);
+CLI::Validator written(std::vector<std::string> endings) {
+  const auto check = [endings = std::move(endings)](const std::string& name) {
+    return endings.empty() ? std::string() : wrong_ending(name, endings);
+  };
+  return CLI::Validator(check, "", kWritten).active(false);  // check_outputs() asks it
 }
 
 CLI::Validator continued() {
@@ -85,7 +90,8 @@ void check_outputs(CLI::App& app) {
   for (CLI::Option* const option : app.get_options({})) {
     if (is_marked(*option, kWritten)) {
       for (const std::string& path : option->results())
-        if (!path.empty()) outputs.push_back({option->get_name(), path});
+        if (!path.empty())
+          outputs.push_back({option->get_name(), path, *option->get_validator(kWritten)});
     } else if (!is_marked(*option, kContinued)) {
       for (const std::string& file : files_of(*option)) inputs.push_back(file);
     }
@@ -95,7 +101,7 @@ void check_outputs(CLI::App& app) {
     if (inputs[i].ends_with(".toml"))
       for (const std::string& file : files_of_scene(inputs[i])) inputs.push_back(file);
   for (std::size_t i = 0; i < outputs.size(); ++i) {
-    const auto& [option, path] = outputs[i];
+    const auto& [option, path, ending] = outputs[i];
     for (const std::string& input : inputs) check_not_overwritten(option, path, input);
     for (std::size_t k = 0; k < i; ++k)
       if (is_same_file(path, outputs[k].path))
@@ -105,6 +111,9 @@ void check_outputs(CLI::App& app) {
                               : " and " + outputs[k].option + " are the same file, '") +
                          path + "'; give each a name of its own");
   }
+  for (auto& [option, path, ending] : outputs)
+    if (const std::string wrong = ending.active(true)(path); !wrong.empty())
+      throw UsageError(option + ": " + wrong);
 }
 
 }  // namespace plenoflame::cli

@@ -1,15 +1,15 @@
 #pragma once
 
-namespace CLI {
-class App;
-class Validator;
-}  // namespace CLI
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
 
 namespace plenoflame::cli {
 
-/// Marks an option that names an output, a file or a folder. The mark refuses nothing itself:
-///     command.add_option("-o,--output", settings->output, "What it is")->check(written());
-CLI::Validator written();
+/// Marks an option that names an output, a file or a folder:
+///     command.add_option("-o,--output", settings->output, "What it is")->check(written({".csv"}));
+/// @param endings that a file may have; none: any
+CLI::Validator written(std::vector<std::string> endings = {});
 
 /// Marks an option whose file may also be the output: the command continues it.
 CLI::Validator continued();

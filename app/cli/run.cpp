@@ -13,6 +13,7 @@
 
 #include "build_information.h"
 #include "commands/commands.h"
+#include "commands/settings_file.h"
 #include "help_formatter.h"
 #include "messages.h"
 #include "options.h"
@@ -145,11 +146,16 @@ int parse_and_run(int argc, const char* const* argv, std::optional<InterruptHand
   CLI::App app{"Simulates a light-field (plenoptic) camera photographing a flame."};
   Action action;
   try {
-    if (const std::optional<int> ended = parse(app, action, argc, argv, ranks)) return *ended;
-  } catch (const std::bad_alloc&) {
-    return fail(kFailure, "the limit on memory (ulimit -v) is too low to start");
+    try {
+      if (const std::optional<int> ended = parse(app, action, argc, argv, ranks)) return *ended;
+    } catch (const std::bad_alloc&) {
+      return fail(kFailure, "the limit on memory (ulimit -v) is too low to start");
+    }
+    return act(action, interrupt);
+  } catch (const UsageError& error) {
+    throw_at_key(action.file, kOptionNames.message(error));
+    throw;
   }
-  return act(action, interrupt);
 }
 
 }  // namespace

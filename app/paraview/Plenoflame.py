@@ -6,6 +6,7 @@ process is ParaView's. Names, units and tooltips of properties are those of the 
 """
 
 import pathlib
+import re
 import sys
 
 import paraview
@@ -41,43 +42,58 @@ def _escaped(text):
     return text.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;").replace('"', "&quot;")
 
 
-def _property(kind, name, label, about, default, count=1, domain=""):
-    """A property whose setter Set<name> has one argument for each element."""
-    return smproperty.xml(f"""
-      <{kind} name="{name}" label="{_escaped(label)}" command="Set{name}" number_of_elements="{count}"
-          default_values="{_escaped(default)}">{domain}<Documentation>{_escaped(about)}</Documentation></{kind}>""")
+def _settable(name, default, read=lambda *values: values[0] if len(values) == 1 else values):
+    """Gives a class the attribute _name of a property Name, and its setter, which has one argument for each element."""
+    attribute = re.sub("(?=[A-Z])", "_", name).lower()
+
+    def decorate(kind):
+        setattr(kind, attribute, read(*default))
+        setattr(kind, "Set" + name, lambda self, *values: self.set(attribute, read(*values)))
+        return kind
+    return decorate
 
 
-def text(name, label, about, default=""):
-    return _property("StringVectorProperty", name, label, about, default)
+def _property(kind, name, label, about, default, domain="", **read):
+    """A property of as many elements as there are default values."""
+    settable = _settable(name, default, **read)
+    described = smproperty.xml(f"""
+      <{kind} name="{name}" label="{_escaped(label)}" command="Set{name}" number_of_elements="{len(default)}"
+          default_values="{_escaped(" ".join(map(str, default)))}">{domain}<Documentation>{_escaped(about)}</Documentation></{kind}>""")
+    return lambda decorated: described(settable(decorated))
 
 
-def number(name, label, about, default, count=1):
-    return _property("DoubleVectorProperty", name, label, about, default, count)
+def text(name, label, about):
+    return _property("StringVectorProperty", name, label, about, [""], read=lambda value: value or "")
 
 
-def whole(name, label, about, default, low=None, count=1):
-    domain = "" if low is None else f'<IntRangeDomain name="range" min="{low}"/>'
-    return _property("IntVectorProperty", name, label, about, default, count, domain)
+def number(name, label, about, *default):
+    return _property("DoubleVectorProperty", name, label, about, default)
 
 
-def flag(name, label, about, default="0"):
-    return _property("IntVectorProperty", name, label, about, default, 1, '<BooleanDomain name="bool"/>')
+def whole(name, label, about, *default, low):
+    return _property("IntVectorProperty", name, label, about, default, f'<IntRangeDomain name="range" min="{low}"/>')
 
 
-def choice(name, label, about, entries, default="0"):
+def flag(name, label, about, default=0):
+    return _property("IntVectorProperty", name, label, about, [default], '<BooleanDomain name="bool"/>', read=bool)
+
+
+def choice(name, label, about, entries, default=0):
+    """Its attribute is the entry's text."""
     listed = "".join(f'<Entry value="{i}" text="{_escaped(entry)}"/>' for i, entry in enumerate(entries))
-    return _property("IntVectorProperty", name, label, about, default, 1,
-                     f'<EnumerationDomain name="enum">{listed}</EnumerationDomain>')
+    return _property("IntVectorProperty", name, label, about, [default],
+                     f'<EnumerationDomain name="enum">{listed}</EnumerationDomain>', read=entries.__getitem__)
 
 
 def listed(name, label, about):
     """A text that is chosen from the list that Get<name>Names gives."""
-    return smproperty.xml(f"""
+    settable = _settable(name, [""], lambda value: value or "")
+    described = smproperty.xml(f"""
       <StringVectorProperty name="{name}Names" command="Get{name}Names" number_of_elements="0" information_only="1"/>
       <StringVectorProperty name="{name}" label="{label}" command="Set{name}" number_of_elements="1" default_values="">
         <StringListDomain name="names"><RequiredProperties><Property name="{name}Names" function="{name}Names"/></RequiredProperties>
         </StringListDomain><Documentation>{_escaped(about)}</Documentation></StringVectorProperty>""")
+    return lambda decorated: described(settable(decorated))
 
 
 CHANNEL = listed("Channel", "Channel", "Name of the channel; empty: the first")
@@ -165,16 +181,10 @@ class _OfScene(_Algorithm):
 
     def __init__(self, outputs, kind):
         _Algorithm.__init__(self, nInputPorts=0, nOutputPorts=outputs, outputType=kind)
-        self._file, self._settings, self._camera = "", "", ""
+        self._file = ""
 
     def SetFileName(self, name):
         self.set("_file", name or "")
-
-    def SetSettings(self, settings):
-        self.set("_settings", settings or "")
-
-    def SetCamera(self, name):
-        self.set("_camera", name or "")
 
     def GetCameraNames(self):
         try:
@@ -230,49 +240,20 @@ def _bundles(kind):
     """The properties of bundles of rays."""
     for decorate in (
         whole("Pixel", "Pixel", "Column and row, from the top left: all rays of this pixel; -1 -1: none, or that in the middle "
-              "where no other rays are asked for", "-1 -1", -1, 2),
+              "where no other rays are asked for", -1, -1, low=-1),
         flag("UsePoint", "Use Point", "Whether rays start from the point, too"),
-        number("Point", "Point", "[m] Rays from this point of the world towards the camera, where Use Point is on", "1 0 0", 3),
-        whole("Random", "Random Pixels", "All rays of so many pixels drawn at random", "0", 0),
+        number("Point", "Point", "[m] Rays from this point of the world towards the camera, where Use Point is on", 1.0, 0.0, 0.0),
+        whole("Random", "Random Pixels", "All rays of so many pixels drawn at random", 0, low=0),
         flag("Chief", "Chief Rays", "The chief ray of every microlens"),
-        whole("Rays", "Rays", "Rays per pixel and microlens that covers it, and per point", "64", 2),
-        whole("FlameSamples", "Flame Samples", "Vertices within the flames, with temperature and absorption", "0", 0),
-        whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", "-1", -1),
+        whole("Rays", "Rays", "Rays per pixel and microlens that covers it, and per point", 64, low=2),
+        whole("FlameSamples", "Flame Samples", "Vertices within the flames, with temperature and absorption", 0, low=0),
+        whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", -1, low=-1),
     ):
         kind = decorate(kind)
     return kind
 
 
 class _RayBundles(_OfScene):
-    def __init__(self, outputs, kind):
-        super().__init__(outputs, kind)
-        self._pixel, self._use_point, self._point, self._random = (-1, -1), False, (1.0, 0.0, 0.0), 0
-        self._chief, self._rays, self._flame_samples, self._seed = False, 64, 0, -1
-
-    def SetPixel(self, column, row):
-        self.set("_pixel", (column, row))
-
-    def SetUsePoint(self, use):
-        self.set("_use_point", bool(use))
-
-    def SetPoint(self, x, y, z):
-        self.set("_point", (x, y, z))
-
-    def SetRandom(self, count):
-        self.set("_random", count)
-
-    def SetChief(self, chief):
-        self.set("_chief", bool(chief))
-
-    def SetRays(self, rays):
-        self.set("_rays", rays)
-
-    def SetFlameSamples(self, samples):
-        self.set("_flame_samples", samples)
-
-    def SetSeed(self, seed):
-        self.set("_seed", seed)
-
     def rays(self, scene):
         pixels = [self._pixel] if self._pixel != (-1, -1) else []
         if not (pixels or self._use_point or self._random or self._chief):
@@ -285,7 +266,7 @@ class _RayBundles(_OfScene):
 @smproxy.reader(name="PlenoflameScene", label="Plenoflame Scene", extensions="toml", file_description="Plenoflame scenes")
 @smproperty.xml("""<OutputPort name="Camera" index="0"/><OutputPort name="Flame" index="1"/><OutputPort name="Rays" index="2"/>""")
 @_bundles
-@whole("Resolution", "Flame Resolution", "Samples of the flames along their longest side", "96", 2)
+@whole("Resolution", "Flame Resolution", "Samples of the flames along their longest side", 96, low=2)
 @TIMES
 @CAMERA
 @SETTINGS
@@ -294,7 +275,6 @@ class PlenoflameScene(_RayBundles):
 
     def __init__(self):
         super().__init__(3, "vtkMultiBlockDataSet")
-        self._resolution = 96
 
     def FillOutputPortInformation(self, port, info):
         info.Set(vtkDataObject.DATA_TYPE_NAME(), ("vtkMultiBlockDataSet", "vtkImageData", "vtkPolyData")[port])
@@ -305,9 +285,6 @@ class PlenoflameScene(_RayBundles):
     @smhint.filechooser(extensions="toml", file_description="Plenoflame scenes")
     def SetFileName(self, name):
         super().SetFileName(name)
-
-    def SetResolution(self, resolution):
-        self.set("_resolution", resolution)
 
     def compute(self):
         scene = self.scene()
@@ -351,11 +328,14 @@ class _Image(_Algorithm):
         vtkImageData.GetData(outputs, 0).ShallowCopy(result)
 
 
+ESTIMATORS = "as the scene says", "backward", "forward"
+
+
 @smproxy.source(name="PlenoflameLightField", label="Plenoflame Light Field")
 @flag("Truth", "Truth", "Adds layers of ground truth, such as truth.distance")
-@choice("Estimator", words("render.estimator")[0], words("render.estimator")[1], ("as the scene says", "backward", "forward"))
-@whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", "-1", -1)
-@whole("Samples", words("render.samples")[0], words("render.samples")[1] + " 0: as the scene says", "0", 0)
+@choice("Estimator", words("render.estimator")[0], words("render.estimator")[1], ESTIMATORS)
+@whole("Seed", words("render.seed")[0], words("render.seed")[1] + " -1: as the scene says", -1, low=-1)
+@whole("Samples", words("render.samples")[0], words("render.samples")[1] + " 0: as the scene says", 0, low=0)
 @TIMES
 @CAMERA
 @SETTINGS
@@ -365,23 +345,10 @@ class PlenoflameLightField(_Image, _OfScene):
 
     def __init__(self):
         _OfScene.__init__(self, 1, "vtkImageData")
-        self._samples, self._seed, self._estimator, self._truth = 0, -1, 0, False
-
-    def SetSamples(self, samples):
-        self.set("_samples", samples)
-
-    def SetSeed(self, seed):
-        self.set("_seed", seed)
-
-    def SetEstimator(self, estimator):
-        self.set("_estimator", estimator)
-
-    def SetTruth(self, truth):
-        self.set("_truth", bool(truth))
 
     def compute(self):
         field = self.scene().render(self._samples, seed=self._seed, truth=self._truth, progress=self.progress,
-                                    estimator=(None, "backward", "forward")[self._estimator])
+                                    estimator=None if self._estimator == ESTIMATORS[0] else self._estimator)
         return owned(field.to_vtk())
 
 
@@ -426,16 +393,13 @@ class PlenoflameFlameReader(_File):
 
     def __init__(self):
         super().__init__()
-        self._grid, self._files = "", []
+        self._files = []
 
     def ClearFileNames(self):
         self.set("_files", [])
 
     def AddFileName(self, name):
         self.set("_files", self._files + [name] * bool(name))
-
-    def SetGrid(self, name):
-        self.set("_grid", name or "")
 
     def steps(self):
         return [float(number) for number in range(len(self._files))] if len(self._files) > 1 else []
@@ -460,10 +424,6 @@ def _filter(name, label, documentation):
 class _Filter(_Algorithm):
     def __init__(self):
         super().__init__(nInputPorts=1, nOutputPorts=1, outputType="vtkImageData")
-        self._channel = ""
-
-    def SetChannel(self, name):
-        self.set("_channel", name or "")
 
     def GetChannelNames(self):
         data = self.GetInputDataObject(0, 0) if self.GetNumberOfInputConnections(0) else None
@@ -503,36 +463,16 @@ class _Filter(_Algorithm):
 @_filter("PlenoflameViews", "Plenoflame Views", "Sub-aperture views of a light field side by side, or one of them.")
 @CHANNEL
 @flag("WhiteCorrection", "White Correction", "Divides by the light of a uniform scene, so that values are radiances "
-      "[W/(m^2 sr)]; off: flux per pixel [W]", "1")
+      "[W/(m^2 sr)]; off: flux per pixel [W]", 1)
 @choice("Resampling", "Resampling", "How one sample per microlens becomes a picture with square pixels",
-        ("nearest", "barycentric", "paper9", "paper10"), "1")
-@number("Spread", "Spread", "Side of the square over which the views' middles are spread, in diameters of the stop's image", "0.7")
-@whole("View", "View", "Row and column of one view; -1 -1: all of them, side by side", "-1 -1", -1, 2)
-@whole("Grid", "Grid", "Views along each side", "7", 1)
+        ("nearest", "barycentric", "paper9", "paper10"), 1)
+@number("Spread", "Spread", "Side of the square over which the views' middles are spread, in diameters of the stop's image", 0.7)
+@whole("View", "View", "Row and column of one view; -1 -1: all of them, side by side", -1, -1, low=-1)
+@whole("Grid", "Grid", "Views along each side", 7, low=1)
 class PlenoflameViews(_Filter):
-    def __init__(self):
-        super().__init__()
-        self._grid, self._view, self._spread, self._resampling, self._white = 7, (-1, -1), 0.7, 1, True
-
-    def SetGrid(self, grid):
-        self.set("_grid", grid)
-
-    def SetView(self, row, column):
-        self.set("_view", (row, column))
-
-    def SetSpread(self, spread):
-        self.set("_spread", spread)
-
-    def SetResampling(self, resampling):
-        self.set("_resampling", resampling)
-
-    def SetWhiteCorrection(self, white):
-        self.set("_white", bool(white))
-
     def make(self, field):
-        views = field.views(self._grid, spread=self._spread, white_correction=self._white, channel=self._channel,
-                            progress=self.progress,
-                            resampling=("nearest", "barycentric", "paper9", "paper10")[self._resampling])
+        views = field.views(self._grid, spread=self._spread, white_correction=self._white_correction, channel=self._channel,
+                            progress=self.progress, resampling=self._resampling)
         if self._view == (-1, -1):
             picture = views.sheet
         else:
@@ -540,28 +480,15 @@ class PlenoflameViews(_Filter):
                 picture = views[self._view]
             except IndexError as error:
                 raise plenoflame.Error(str(error)) from None
-        return picture_to_image({"radiance" if self._white else "flux": picture})
+        return picture_to_image({"radiance" if self._white_correction else "flux": picture})
 
 
 @_filter("PlenoflameRefocus", "Plenoflame Refocus", "The picture of a lens that is focused on a plane, in metres on that plane.")
 @CHANNEL
-@number("Aperture", "Aperture", "Of the synthetic lens, in diameters of the main lens' stop", "1")
-@whole("Width", "Width", "Pixels of the picture; 0: one per microlens across", "0", 0)
-@number("Depth", "Depth", "[m] Of the plane in front of the main lens", "1")
+@number("Aperture", "Aperture", "Of the synthetic lens, in diameters of the main lens' stop", 1.0)
+@whole("Width", "Width", "Pixels of the picture; 0: one per microlens across", 0, low=0)
+@number("Depth", "Depth", "[m] Of the plane in front of the main lens", 1.0)
 class PlenoflameRefocus(_Filter):
-    def __init__(self):
-        super().__init__()
-        self._depth, self._width, self._aperture = 1.0, 0, 1.0
-
-    def SetDepth(self, depth):
-        self.set("_depth", depth)
-
-    def SetWidth(self, width):
-        self.set("_width", width)
-
-    def SetAperture(self, aperture):
-        self.set("_aperture", aperture)
-
     def make(self, field):
         sharp = field.refocus(self._depth, width=self._width, aperture=self._aperture, channel=self._channel, progress=self.progress)
         # The picture's y runs downwards, VTK's upwards.
@@ -571,25 +498,12 @@ class PlenoflameRefocus(_Filter):
 @_filter("PlenoflameDevelop", "Plenoflame Develop", "Digital numbers that a sensor makes of a light field, without noise.")
 @CHANNEL
 @choice("Curve", words("develop.curve")[0], words("develop.curve")[1], ("display", "linear"))
-@whole("Bits", words("develop.bits")[0], words("develop.bits")[1], "14", 1)
-@number("Saturation", words("develop.saturation")[0], words("develop.saturation")[1], "0")
+@whole("Bits", words("develop.bits")[0], words("develop.bits")[1], 14, low=1)
+@number("Saturation", words("develop.saturation")[0], words("develop.saturation")[1], 0.0)
 class PlenoflameDevelop(_Filter):
-    def __init__(self):
-        super().__init__()
-        self._saturation, self._bits, self._curve = 0.0, 14, 0
-
-    def SetSaturation(self, saturation):
-        self.set("_saturation", saturation)
-
-    def SetBits(self, bits):
-        self.set("_bits", bits)
-
-    def SetCurve(self, curve):
-        self.set("_curve", curve)
-
     def make(self, field):
         x, y, _, height = field.window
-        picture = field.develop(saturation=self._saturation, bits=self._bits, curve=("display", "linear")[self._curve],
+        picture = field.develop(saturation=self._saturation, bits=self._bits, curve=self._curve,
                                 channel=self._channel)
         return picture_to_image({"digital_number": picture}, 1,
                                 (x + 0.5, field._data.sensor[1] - y - height + 0.5))

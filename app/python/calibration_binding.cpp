@@ -209,8 +209,7 @@ void bind_calibrations(py::module_& module) {
              r.add_camera(scene, file, rows_of("poses", poses));
            });
   bind_request<OptimizeRun>(module, "Optimize");
-  module.def("import_camera", &camera_from, py::arg("files"), py::arg("settings"),
-             py::arg("format"));
+  module.def("import_camera", &camera_from);
 }
 
 }  // namespace plenoflame::python

@@ -23,33 +23,11 @@ namespace {
 namespace py = pybind11;
 using Data = std::shared_ptr<Voxels>;
 
-/// Fields on one lattice; those on another are interpolated, with a warning.
 Data voxels_of_fields(const std::vector<VoxelField>& fields, const std::string& file,
                       const Execution& execution) {
-  const AffineTransform& transform = fields.front().index_to_world;
-  const auto same = [&](const VoxelField& field) {
-    return field.index_to_world.linear == transform.linear &&
-           field.index_to_world.translation == transform.translation;
-  };
-  IndexBox box;
-  for (const VoxelField& field : fields)
-    if (same(field)) box.add(stored_box(field));
-  if (box.empty())
-    throw InputError(file.empty() ? "the flame is empty: every voxel has the background's value"
-                                  : "'" + file + "': every voxel has the background's value");
-  const Data out = std::make_shared<Voxels>();
-  out->place = voxel_place(transform, box);
-  for (const VoxelField& field : fields) {
-    if (same(field)) {
-      out->arrays.push_back(voxel_values(field, box));
-      continue;
-    }
-    execution.warn(
-        "'" + file + "': " + field.name +
-        " has a lattice of its own and was interpolated; read it alone (grid) to keep it");
-    out->arrays.push_back(interpolated_values(field, transform, box));
-  }
-  return out;
+  LatticeFields found = on_one_lattice(fields, file, "grid", execution);
+  return std::make_shared<Voxels>(
+      Voxels{voxel_place(found.transform, found.box), std::move(found.arrays)});
 }
 
 class FlameGenerator : public Runnable {
@@ -140,8 +118,7 @@ Data voxels_from(const std::array<std::size_t, 3>& size, Vec3 origin,
 
 void bind_voxels(py::module_& module) {
   py::class_<Voxels, Data>(module, "Voxels")
-      .def(py::init(&voxels_from), py::arg("size"), py::arg("origin"), py::arg("spacing"),
-           py::arg("directions"))
+      .def(py::init(&voxels_from))
       .def("add",
            [](Voxels& v, const std::string& name,
               const py::array_t<float, py::array::f_style | py::array::forcecast>& values) {

@@ -148,7 +148,7 @@ void bind_operator(py::module_& module) {
           "column_indices", [](const Run& r) { return r.shared_array(r.matrix->column_indices()); })
       .def_property_readonly("values",
                              [](const Run& r) { return r.shared_array(r.matrix->values()); })
-      .def("times", &Run::times, py::arg("transpose"), py::arg("vector"));
+      .def("times", &Run::times);
 }
 
 /// Reconstructs a flame from pictures.
@@ -229,7 +229,7 @@ void bind_reconstruction(py::module_& module) {
             if (!made.problem) throw UsageError("the operator was not made");
             r.request.built = {&made.problem->rays, made.matrix.get()};
           },
-          py::arg("operator"), py::keep_alive<1, 2>())
+          py::keep_alive<1, 2>())
       .def("set_earlier", &Run::set_earlier)
       .def_property_readonly("has_result", [](const Run& r) { return r.result != nullptr; })
       .def_property_readonly(

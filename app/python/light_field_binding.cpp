@@ -175,7 +175,7 @@ void bind_light_field(py::module_& module) {
           "sensor",
           [](const LightField& f) { return py::make_tuple(f.sensor_width, f.sensor_height); })
       .def_property_readonly("state", &state_of)
-      .def_static("from_state", &field_of, py::arg("state"));
+      .def_static("from_state", &field_of);
   bind_source(module);
 }
 

@@ -298,9 +298,8 @@ void bind_measurements(py::module_& module) {
       .def_readwrite("scene", &Corners::scene)
       .def_readwrite("rays", &Corners::rays)
       .def_property_readonly("output", &corner_arrays);
-  module.def(
-      "seconds", [](const std::string& text) { return parse_quantity(text, Dimension::time); },
-      py::arg("text"));
+  module.def("seconds",
+             [](const std::string& text) { return parse_quantity(text, Dimension::time); });
 }
 
 }  // namespace plenoflame::python

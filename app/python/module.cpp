@@ -56,7 +56,7 @@ PYBIND11_MODULE(_core, module) {
   });
   py::class_<Runnable>(module, "Runnable")
       .def_readwrite("threads", &Runnable::threads)
-      .def("run", &run_watched, py::arg("on_progress"), py::arg("on_warning"));
+      .def("run", &run_watched);
   bind_scene(module);
   bind_camera(module);
   bind_light_field(module);

@@ -183,12 +183,9 @@ void bind_rays(py::module_& module) {
   source.def(py::init<>())
       .def_readwrite("scene", &Source::scene)
       .def_property_readonly("output", [](const Source& s) { return plain(s.output); });
-  module.def(
-      "write_rays",
-      [](const std::string& path, const py::dict& state) {
-        write_ray_paths(path, paths_of(state));
-      },
-      py::arg("path"), py::arg("state"));
+  module.def("write_rays", [](const std::string& path, const py::dict& state) {
+    write_ray_paths(path, paths_of(state));
+  });
 }
 
 }  // namespace plenoflame::python

@@ -126,7 +126,7 @@ void bind_ray_stream(py::module_& module) {
       .def_readwrite("seed", &Stream::seed)
       .def_readwrite("rays_per_block", &Stream::rays_per_block)
       .def_readwrite("threads", &Stream::threads)
-      .def("start", &Stream::start, released, py::arg("scene"))
+      .def("start", &Stream::start, released)
       .def("is_ready", &Stream::is_ready)
       .def("next", &Stream::next)
       .def("stop", &Stream::stop, released)

@@ -56,17 +56,11 @@ std::span<const SettingRow<BoardRequest>> setting_rows() {
   using R = BoardRequest;
   using enum SettingKind;
   static const std::vector<SettingRow<R>> rows{
-      {"board",
-       "COLUMNSxROWS",
+      {"board", "COLUMNSxROWS",
        "Points of the board: corners between squares (one less than the squares each way), or dots",
-       &R::board,
-       sides,
-       {},
-       0,
-       0,
-       true},
-      {"cell", "LENGTH", "Distance between neighbouring points", &R::cell, lengths, {}, 0, 0, true},
-      {"dots", "", "The board has round dots, not squares", &R::dots, flag},
+       &R::board, sides, kRequired},
+      {"cell", "LENGTH", "Distance between neighbouring points", &R::cell, lengths, kRequired},
+      {"dots", "", "The board has round dots, not squares", &R::dots},
       {"white", "FILE ...",
        "White pictures, by which the others are divided against the edges of micro-images",
        &R::white, file},

@@ -27,31 +27,20 @@ std::span<const SettingRow<UnknownsRequest>> setting_rows() {
   using R = UnknownsRequest;
   using enum SettingKind;
   static const std::vector<SettingRow<R>> rows{
-      {"unknowns",
-       "KIND",
+      {"unknowns", "KIND",
        "voxels; rings x heights around an axis; ellipsoidal layers that fill the block",
-       setting_choice<&R::kind, R>(),
-       word,
-       {"voxels", "rings", "layers"}},
-      {"grid",
-       "N[,N,N]",
+       setting_choice<&R::kind, R>(), any_of("voxels", "rings", "layers")},
+      {"grid", "N[,N,N]",
        "Voxels along the longest side or along all three, NX,NY,NZ (32); rings and heights, N,M "
        "(40,80); layers (10)",
-       &R::grid,
-       text,
-       {},
-       1,
-       100000},
+       &R::grid, between(1, 100000)},
       {"center", "X,Y,Z",
        "Middle of the block, \"1 m, 0 m, 5 mm\"; without it, that of the scene's flames",
        &R::centre, lengths},
-      {"size",
-       "X,Y,Z",
+      {"size", "X,Y,Z",
        "Its sides, \"40 mm, 40 mm, 60 mm\", or auto: those of the scene's flames, or by the "
        "pictures (auto)",
-       &R::size,
-       lengths,
-       {"auto"}},
+       &R::size, any_of("auto"), lengths},
       {"axis", "X,Y,Z",
        "Direction of the rings' axis through the block's middle (\"0 m, 0 m, 1 m\"), or fit: place "
        "and direction by the pictures",
@@ -65,12 +54,8 @@ std::span<const SettingRow<UnknownsRequest>> setting_rows() {
                         if (!r.fits_axis && !value.text().empty()) r.axis = value.lengths();
                       }},
        lengths},
-      {"basis",
-       "KIND",
-       "Of voxels: trilinear or constant",
-       setting_choice<&R::basis, R>(),
-       word,
-       {"trilinear", "constant"}},
+      {"basis", "KIND", "Of voxels: trilinear or constant", setting_choice<&R::basis, R>(),
+       any_of("trilinear", "constant")},
       {"absorption", "WHICH",
        "Known absorption: none (no temperature is found), a value like \"8 1/m\" everywhere, or "
        "scene: that of the scene's flames (none)",
@@ -87,15 +72,12 @@ std::span<const SettingRow<OperatorRequest>> setting_rows() {
       rays_row<R>(),
       bin_row<R>(),
       cells_row<R>(),
-      {"seed", "N", "Seed of the rays (default: the scene's)", &R::seed, whole},
-      {"form",
-       "FORM",
-       "rays: kept in memory; drawn: a part at a time; auto: kept if they fit",
+      {"seed", "N", "Seed of the rays (default: the scene's)", &R::seed},
+      {"form", "FORM", "rays: kept in memory; drawn: a part at a time; auto: kept if they fit",
        SettingChoice<R>{
            [](const R& r) { return std::max(static_cast<int>(r.form) - 1, 0); },
            [](R& r, int n) { r.form = static_cast<OperatorForm>(n == 0 ? 0 : n + 1); }},
-       word,
-       {"auto", "rays", "drawn"}}};
+       any_of("auto", "rays", "drawn")}};
   return rows;
 }
 

@@ -26,37 +26,23 @@ void set_option(Request& request, const std::string& name, const std::string& te
 /// The rows that operators and reconstructions share.
 template <class Request>
 SettingRow<Request> rays_row() {
-  return {"rays",
-          "N",
-          "Rays per pixel and microlens that covers it",
-          &Request::rays,
-          SettingKind::whole,
-          {},
-          2,
-          kMostSamples};
+  return {"rays", "N", "Rays per pixel and microlens that covers it", &Request::rays,
+          between(2, kMostSamples)};
 }
 template <class Request>
 SettingRow<Request> bin_row() {
-  return {"bin",
-          "N|micro-image|view",
-          "Pixels of a row: N for blocks of N x N, micro-image, or view: cells within each "
-          "micro-image",
-          &Request::bin,
-          SettingKind::text,
-          {"micro-image", "view"},
-          1,
-          10000};
+  return {
+      "bin",
+      "N|micro-image|view",
+      "Pixels of a row: N for blocks of N x N, micro-image, or view: cells within each micro-image",
+      &Request::bin,
+      any_of("micro-image", "view"),
+      between(1, 10000)};
 }
 template <class Request>
 SettingRow<Request> cells_row() {
-  return {"cells",
-          "N",
-          "Cells of a micro-image along each side, for view",
-          &Request::cells,
-          SettingKind::whole,
-          {},
-          1,
-          100};
+  return {"cells", "N", "Cells of a micro-image along each side, for view", &Request::cells,
+          between(1, 100)};
 }
 
 }  // namespace plenoflame

@@ -186,14 +186,19 @@ Box box_option(std::string_view option, const std::string& text) {
   return box;
 }
 
-void check_ending(std::string_view option, const std::string& output,
-                  std::initializer_list<std::string_view> endings) {
+std::string wrong_ending(const std::string& output, const std::vector<std::string>& endings) {
   std::string list;
-  for (const std::string_view ending : endings) {
-    if (output.ends_with(ending)) return;
-    list.append(list.empty() ? "" : " or ").append(ending);
+  for (const std::string& ending : endings) {
+    if (output.ends_with(ending)) return "";
+    list += (list.empty() ? "" : ending == endings.back() ? " or " : ", ") + ending;
   }
-  throw UsageError(std::string(option) + ": '" + output + "' must end in " + list);
+  return "'" + output + "' must end in " + list;
+}
+
+void check_ending(std::string_view option, const std::string& output,
+                  const std::vector<std::string>& endings) {
+  if (const std::string wrong = wrong_ending(output, endings); !wrong.empty())
+    throw UsageError(std::string(option) + ": " + wrong);
 }
 
 bool is_same_file(const std::string& a, const std::string& b) {

@@ -1,6 +1,5 @@
 #pragma once
 #include <array>
-#include <initializer_list>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -42,9 +41,12 @@ std::array<double, 3> point_option(std::string_view option, const std::string& t
 /// @throws UsageError for anything else, and for a box without volume
 Box box_option(std::string_view option, const std::string& text);
 
-/// An output must have one of these endings, which says what it is. @throws UsageError
+/// The fault of an output's name, which must have one of these endings; empty: none.
+std::string wrong_ending(const std::string& output, const std::vector<std::string>& endings);
+
+/// @throws UsageError for an output with a wrong ending
 void check_ending(std::string_view option, const std::string& output,
-                  std::initializer_list<std::string_view> endings);
+                  const std::vector<std::string>& endings);
 
 /// True if both are one file or folder, by whatever names (links, "./"), even if it does not exist.
 bool is_same_file(const std::string& a, const std::string& b);

@@ -352,36 +352,21 @@ std::span<const SettingRow<GeometryRequest>> setting_rows() {
        &R::centres, file},
       {"radii", "FILE.csv",
        "Radii from calibrate white; they tell the distance from array to sensor", &R::radii, file},
-      {"f-number-error",
-       "SHARE",
-       "Relative standard deviation common to the f-numbers of the radii",
-       &R::f_number,
-       number,
-       {},
-       0,
-       1},
-      {"microlens-error",
-       "SHARE",
+      {"f-number-error", "SHARE",
+       "Relative standard deviation common to the f-numbers of the radii", &R::f_number,
+       between(0, 1)},
+      {"microlens-error", "SHARE",
        "Relative standard deviation common to the focal lengths of microlenses, for blur",
-       &R::microlens,
-       number,
-       {},
-       1e-4,
-       10},
+       &R::microlens, between(1e-4, 10)},
       {"free", "KEY,...",
        "Keys that are fitted in place of the usual, such as "
        "camera.lens.focal_length,camera.lens.decentre; `usual,camera.lens.distortion` adds "
        "distortion",
        &R::free},
-      {"pupil",
-       "SHARE",
+      {"pupil", "SHARE",
        "Standard deviation of the lens' distance from the array over the exit pupil's; 0: the stop "
        "is at a thin lens",
-       &R::pupil,
-       number,
-       {},
-       0,
-       1}};
+       &R::pupil, between(0, 1)}};
   return rows;
 }
 

@@ -358,8 +358,7 @@ std::span<const SettingRow<RadiometryRequest>> setting_rows() {
   using enum SettingKind;
   static const std::vector<SettingRow<R>> rows{
       {"white", "[TIME=]FILE ...",
-       "White picture, as for import. TIME=FILE: one evenly bright scene at "
-       "three exposures or "
+       "White picture, as for import. TIME=FILE: one evenly bright scene at three exposures or "
        "more, which tell whether the sensor is linear",
        &R::white, file},
       {"white-dark", "FILE ...", "Dark frames of the white picture (those of the pictures)",
@@ -371,17 +370,11 @@ std::span<const SettingRow<RadiometryRequest>> setting_rows() {
       {"exposure-time", "TIME", "Of all that state none (of the camera's file)", &R::exposure},
       {"temperature-error", "TEMPERATURE", "Standard error of each temperature (0 K)",
        &R::temperature_error},
-      {"emissivity", "NUMBER", "Of the source", &R::emissivity, number, {}, 0.01, 1},
-      {"emissivity-error", "NUMBER", "Its standard error", &R::emissivity_error, number, {}, 0, 1},
-      {"etendue-error",
-       "NUMBER",
-       "Relative standard error of the camera's etendue: f-number, "
-       "transmission",
-       &R::etendue_error,
-       number,
-       {},
-       0,
-       1},
+      {"emissivity", "NUMBER", "Of the source", &R::emissivity, between(0.01, 1)},
+      {"emissivity-error", "NUMBER", "Its standard error", &R::emissivity_error, between(0, 1)},
+      {"etendue-error", "NUMBER",
+       "Relative standard error of the camera's etendue: f-number, transmission", &R::etendue_error,
+       between(0, 1)},
       {"part", "X,Y,W,H", "Part of the sensor that the source fills (all)", &R::part}};
   return rows;
 }

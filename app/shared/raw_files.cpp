@@ -41,40 +41,18 @@ std::span<const SettingRow<RawFileOptions>> setting_rows() {
   static const std::vector<SettingRow<R>> rows{
       {"size", "WxH", "Columns and rows of files that hold numbers without a header", &R::size,
        sides},
-      {"bits",
-       "N",
-       "Bits of a number, e.g. 12 in 16 (those of the file); in headerless "
-       "files up to 8 take one "
+      {"bits", "N",
+       "Bits of a number, e.g. 12 in 16 (those of the file); in headerless files up to 8 take one "
        "byte, more take two",
-       &R::bits,
-       whole,
-       {},
-       1,
-       16},
-      {"endian",
-       "ORDER",
-       "Order of bytes in headerless files: little or big",
-       &R::endian,
-       word,
-       {"little", "big"}},
-      {"skip", "N", "Bytes in front of headerless numbers (0)", &R::skip, whole},
-      {"shift",
-       "N",
-       "Bits by which numbers are too large, e.g. 4 for 12 bits at the top of "
-       "16",
-       &R::shift,
-       whole,
-       {},
-       0,
-       15},
-      {"turn",
-       "DEGREES",
-       "Turns the pictures clockwise to be upright: 0, 90, 180 or 270 degrees",
-       &R::turn,
-       word,
-       {"0", "90", "180", "270"}},
-      {"mirror", "", "Mirrors the pictures left to right, before they are turned", &R::mirror,
-       flag}};
+       &R::bits, between(1, 16)},
+      {"endian", "ORDER", "Order of bytes in headerless files: little or big", &R::endian,
+       any_of("little", "big")},
+      {"skip", "N", "Bytes in front of headerless numbers (0)", &R::skip},
+      {"shift", "N", "Bits by which numbers are too large, e.g. 4 for 12 bits at the top of 16",
+       &R::shift, between(0, 15)},
+      {"turn", "DEGREES", "Turns the pictures clockwise to be upright: 0, 90, 180 or 270 degrees",
+       &R::turn, any_of("0", "90", "180", "270")},
+      {"mirror", "", "Mirrors the pictures left to right, before they are turned", &R::mirror}};
   return rows;
 }
 

@@ -65,6 +65,27 @@ struct SettingText {
   void (*set)(Request&, const SettingReader&);
 };
 
+/// The words that a setting takes.
+struct SettingWords {
+  std::vector<std::string> list;
+};
+template <class... Words>
+SettingWords any_of(Words... words) {
+  return {{words...}};
+}
+
+/// The numbers that a setting takes.
+struct SettingRange {
+  double least = 0, greatest = 2e9;
+};
+constexpr SettingRange between(double least, double greatest) {
+  return {least, greatest};
+}
+
+/// A setting without a default.
+struct SettingRequired {};
+inline constexpr SettingRequired kRequired;
+
 /// A setting of a request, and where its value is kept.
 template <class Request>
 struct SettingRow {
@@ -80,13 +101,49 @@ struct SettingRow {
     return std::holds_alternative<std::vector<std::string> Request::*>(field) ||
            std::holds_alternative<std::vector<Vec3> Request::*>(field);
   }
+  /// The kind that a field has by itself.
+  struct KindOf {
+    template <class Value>
+    SettingKind operator()(Value Request::*) const {
+      if (std::is_same_v<Value, bool>) return SettingKind::flag;
+      if (std::is_same_v<Value, int> || std::is_same_v<Value, std::optional<int>> ||
+          std::is_same_v<Value, std::optional<std::uint64_t>>)
+        return SettingKind::whole;
+      if (std::is_same_v<Value, double> || std::is_same_v<Value, std::optional<double>> ||
+          std::is_same_v<Value, std::vector<double>>)
+        return SettingKind::number;
+      return SettingKind::text;
+    }
+    SettingKind operator()(const SettingChoice<Request>&) const { return SettingKind::word; }
+    SettingKind operator()(const SettingText<Request>&) const { return SettingKind::text; }
+  };
+  /// @param traits any of a kind, any_of(), between() and kRequired. Without a kind, it is that of
+  /// the field, or a word if there are words
+  template <class... Traits>
+  SettingRow(std::string_view own_name, std::string_view value_form, std::string_view text,
+             Field member, Traits... traits)
+      : name(own_name),
+        form(value_form),
+        help(text),
+        field(member),
+        kind(std::visit(KindOf{}, member)) {
+    (take(traits), ...);
+  }
+  void take(SettingKind given) { kind = given; }
+  void take(const SettingWords& given) {
+    words = given.list;
+    kind = kind == SettingKind::whole ? SettingKind::text : SettingKind::word;
+  }
+  void take(SettingRange given) { range = given; }
+  void take(SettingRequired) { required = true; }
+
   std::string_view name, form, help;
   Field field;
-  SettingKind kind = SettingKind::text;
+  SettingKind kind;
   /// The words that it takes; empty: any text. For a number they stand for -1, -2, ..., for a place
   /// for nothing.
   std::vector<std::string> words = {};
-  double least = 0, greatest = 2e9;  ///< of a number
+  SettingRange range;  ///< of a number
   bool required = false;
 };
 
@@ -198,13 +255,13 @@ void set_row(const SettingRow<Request>& row, const SettingNames& names, const st
           else if constexpr (std::is_same_v<Value, std::optional<std::uint64_t>>)
             reader.to(value.emplace());
           else if constexpr (std::is_same_v<Value, int>)
-            reader.to(value, row.words, row.least, row.greatest);
+            reader.to(value, row.words, row.range.least, row.range.greatest);
           else if constexpr (std::is_same_v<Value, std::optional<int>>)
-            reader.to(value.emplace(), row.words, row.least, row.greatest);
+            reader.to(value.emplace(), row.words, row.range.least, row.range.greatest);
           else if constexpr (std::is_same_v<Value, std::optional<double>>)
-            reader.to(value.emplace(), row.least, row.greatest);
+            reader.to(value.emplace(), row.range.least, row.range.greatest);
           else
-            reader.to(value, row.least, row.greatest);
+            reader.to(value, row.range.least, row.range.greatest);
         }
       },
       row.field);

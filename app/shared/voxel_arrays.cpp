@@ -6,7 +6,6 @@
 #include <unordered_map>
 
 #include "plenoflame/base/error.h"
-#include "plenoflame/base/execution.h"
 
 namespace plenoflame {
 namespace {
@@ -171,6 +170,32 @@ VoxelArray interpolated_values(const VoxelField& field, const AffineTransform& t
       }
   });
   return array;
+}
+
+LatticeFields on_one_lattice(const std::vector<VoxelField>& fields, const std::string& file,
+                             const std::string& alone, const Execution& execution) {
+  LatticeFields found;
+  found.transform = fields.front().index_to_world;
+  const auto same = [&](const VoxelField& field) {
+    return field.index_to_world.linear == found.transform.linear &&
+           field.index_to_world.translation == found.transform.translation;
+  };
+  for (const VoxelField& field : fields)
+    if (same(field)) found.box.add(stored_box(field));
+  if (found.box.empty())
+    throw InputError((file.empty() ? "the flame is empty" : "'" + file + "'") +
+                     ": every voxel has the background's value");
+  for (const VoxelField& field : fields) {
+    if (same(field)) {
+      found.arrays.push_back(voxel_values(field, found.box));
+      continue;
+    }
+    execution.warn("'" + file + "': " + field.name +
+                   " has a lattice of its own and was interpolated; read it alone (" + alone +
+                   ") to keep it");
+    found.arrays.push_back(interpolated_values(field, found.transform, found.box));
+  }
+  return found;
 }
 
 VoxelField voxels_of(const VoxelPlace& place, const std::string& name, float background,

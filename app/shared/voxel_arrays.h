@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "plenoflame/base/execution.h"
 #include "plenoflame/media/voxel_medium.h"
 
 /// Sparse voxel fields as full arrays on a lattice, and back: what images of VTK and arrays of
@@ -47,6 +48,17 @@ VoxelArray voxel_values(const VoxelField& field, const IndexBox& box);
 /// A field's values interpolated trilinearly at the samples of another lattice.
 VoxelArray interpolated_values(const VoxelField& field, const AffineTransform& transform,
                                const IndexBox& box);
+
+/// Fields on the lattice of the first one.
+struct LatticeFields {
+  AffineTransform transform;
+  IndexBox box;
+  std::vector<VoxelArray> arrays;
+};
+/// Fields of other lattices are interpolated, with a warning. @param file for messages; empty: none
+/// @param alone how the caller reads a single grid @throws InputError for a flame without values
+LatticeFields on_one_lattice(const std::vector<VoxelField>& fields, const std::string& file,
+                             const std::string& alone, const Execution& execution);
 
 /// Samples of an array as voxels; bricks that hold only the background are left out.
 /// @param value of sample n, in the order of the values

@@ -481,15 +481,11 @@ std::span<const SettingRow<WhiteRequest>> setting_rows() {
   static const std::vector<SettingRow<R>> rows{
       {"dark", "FILE ...", "Dark frames of the same exposure", &R::dark, file},
       {"pixel-pitch", "LENGTH", "Size of a pixel, without a camera", &R::pixel_pitch, lengths},
-      {"mosaic",
-       "PATTERN",
-       "Colours of the first two pixels of the first two rows, without a "
-       "camera: rggb, bggr, grbg "
+      {"mosaic", "PATTERN",
+       "Colours of the first two pixels of the first two rows, without a camera: rggb, bggr, grbg "
        "or gbrg",
-       &R::mosaic,
-       word,
-       {"rggb", "bggr", "grbg", "gbrg"}},
-      {"no-tilt", "", "Leaves the array's tilt as the camera's file has it", &R::no_tilt, flag}};
+       &R::mosaic, any_of("rggb", "bggr", "grbg", "gbrg")},
+      {"no-tilt", "", "Leaves the array's tilt as the camera's file has it", &R::no_tilt}};
   return rows;
 }
 

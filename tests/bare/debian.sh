@@ -1,22 +1,21 @@
-# A minimal Debian 12 in a folder, for tests that nothing of this machine may help: sourced by tests/bare/run.sh and
-# tests/packages/run.sh. Wants root, mmdebstrap and the package registry.
+# A minimal Debian in a folder, for tests that nothing of this machine may help: sourced by tests/bare/run.sh and those of
+# tests/packages. Wants root, mmdebstrap and the package registry.
 cache=${XDG_CACHE_HOME:-$HOME/.cache}/plenoflame/bare
 
-# bare_debian: makes $cache/debian unless it is there.
+# bare_debian [RELEASE]: makes $cache/debian, a Debian 12, unless it is there; of another release, such as trixie, $cache/RELEASE.
 bare_debian() {
-  [ ! -d "$cache/debian" ] || return 0
+  local release=${1:-bookworm} system=${1:-debian} each sources=()
+  [ ! -d "$cache/$system" ] || return 0
   rm -rf "$cache/made" && mkdir -p "$cache/archives"
-  mmdebstrap --quiet --variant=minbase --include=ca-certificates bookworm "$cache/made"
-  rm -f "$cache/made/etc/apt/sources.list"
+  mmdebstrap --quiet --variant=minbase --include=ca-certificates "$release" "$cache/made"
+  [ "$system" != debian ] || { rm -f "$cache/made/etc/apt/sources.list" && sources=(/etc/apt/sources.list /etc/apt/sources.list.d); }
   echo force-unsafe-io >"$cache/made/etc/dpkg/dpkg.cfg.d/quick"
   # The new system reaches the registry in the way that this one does.
-  local each
-  for each in /etc/apt/sources.list /etc/apt/sources.list.d /etc/apt/apt.conf.d /etc/apt/auth.conf.d \
-    /etc/ssl/certs/ca-certificates.crt /etc/resolv.conf; do
+  for each in "${sources[@]}" /etc/apt/apt.conf.d /etc/apt/auth.conf.d /etc/ssl/certs/ca-certificates.crt /etc/resolv.conf; do
     [ ! -e "$each" ] || { mkdir -p "$cache/made$(dirname "$each")" && cp -aL --remove-destination "$each" "$cache/made$(dirname "$each")/"; }
   done
   rm -f "$cache/made/etc/apt/apt.conf.d/"*clean*  # packages are kept for the next system
-  mv "$cache/made" "$cache/debian"
+  mv "$cache/made" "$cache/$system"
 }
 
 # has_overlays: false in a container whose own files are an overlay, on which there is no other one.

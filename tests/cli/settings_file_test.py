@@ -59,6 +59,29 @@ class SettingsFile(CommandTest):
         self.assertEqual(self.read("A.npz"), self.read("B.npz"))
         self.assertEqual(self.read("p.csv"), self.read("q.csv"))
 
+    def test_sweep(self):
+        os.mkdir(self.path("a"))
+        self.write("a/runs.csv", "camera.focus.object_distance\n0.9 m\n1 m\n")
+        self.write("a/run.toml", '[sweep]\nscene = "../a.toml"\ntable = "runs.csv"\noutput = "set"\nsamples = 2\nseed = 3\n')
+        self.succeeds("sweep", "a/run.toml", "--quiet")
+        self.succeeds("sweep", "a.toml", "--table", "a/runs.csv", "-o", "set", "--samples", "2", "--seed", "3", "--quiet")
+        self.assertEqual(self.read("a/set/index.csv"), self.read("set/index.csv"))
+        self.assertEqual(self.read("a/set/runs/000001.exr"), self.read("set/runs/000001.exr"))
+        self.write("a/run.toml", '[sweep]\nscene = "../a.toml"\ntable = "runs.csv"\noutput = "other"\ntest_share = 2\n')
+        self.fails(1, "sweep", "a/run.toml", mentions="a/run.toml:5:1: test_share must be a share")
+
+    def test_import(self):
+        os.mkdir(self.path("a"))
+        self.succeeds("develop", "a.exr", "-o", "a.png")
+        self.write("a/run.toml", '[import]\nraw = "total=../a.png"\ncamera = "../a.toml"\noutput = "b.exr"\nunit = "DN"\ngain = 2\n'
+                   'read_noise = 3\nexposure_time = "1 ms"\n')
+        self.run_command("import", "a/run.toml")
+        self.run_command("import", "total=a.png", "--camera", "a.toml", "-o", "c.exr", "--unit", "DN", "--gain", "2", "--read-noise", "3",
+                         "--exposure-time", "1 ms")
+        self.succeeds("compare", "a/b.exr", "c.exr")
+        self.write("a/run.toml", '[import]\nraw = "../a.png"\ncamera = "../a.toml"\noutput = "b.exr"\nskip = 1e15\n')
+        self.fails(1, "import", "a/run.toml", mentions="a/run.toml:5:1: skip: at most 2^40 bytes")
+
     def test_what_is_refused(self):
         text = FILE.format(output="f.vdb")
         before = sorted([*self.files(), "run.toml"])
@@ -76,7 +99,13 @@ class SettingsFile(CommandTest):
                 ("# A flame of rings.", "[sweep]", 1, ['run.toml:1:2: "sweep" stands beside [reconstruction]']),
                 ("noise = 0.01", "absorption = 8", 1, ["run.toml:11:1: absorption: ", "its unit is missing"]),
                 ("truth = false", 'truth = "yes"', 1, ["run.toml:16:1: truth: true or false, not 'yes'"]),
-                ("f.vdb", "a.exr", 2, ["a.exr"]),
+                ("f.vdb", "a.exr", 1, ["run.toml:5:1: output: 'a.exr' is a file that this command reads"]),
+                ("f.vdb", "f.png", 1, ["run.toml:5:1: output: 'f.png' must end in .vdb"]),
+                # What the command finds out later.
+                ("noise = 0.01", 'basis = "constant"', 1, ["run.toml:11:1: basis is for voxels"]),
+                ("noise = 0.01", 'solver = "sirt"\nstrength = 1', 1, ["run.toml:11:1: solver='sirt'", "neither strength nor"]),
+                ("[4, 6]", "[4, 6, 8]", 1, ["run.toml:7:1: grid must be the rings and heights"]),
+                ('images = ["a.exr"]', 'images = ["a.exr"]\nresidual = ["a.exr"]', 1, ["run.toml:5:1: residual: 'a.exr' is a file that this command reads"]),
                 ("f.vdb.json", "f.pdf", 1, ["run.toml:17:1: report: 'f.pdf' must end in .json, .txt or .html"])):
             self.assertIn(old, text)
             self.write("run.toml", text.replace(old, new))

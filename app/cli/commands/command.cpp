@@ -32,15 +32,13 @@ CLI::App& add_missing(CLI::App& parent, const std::string& name, const std::stri
 }
 
 void on_chosen(CLI::App& command, const Registry& registry, PlainAction action) {
-  command.final_callback([&target = registry.action, action = std::move(action)] {
-    target = {action, {}};
-  });
+  command.final_callback(
+      [&target = registry.action, action = std::move(action)] { target.plain = action; });
 }
 
 void on_chosen(CLI::App& command, const Registry& registry, StoppableAction action) {
-  command.final_callback([&target = registry.action, action = std::move(action)] {
-    target = {{}, action};
-  });
+  command.final_callback(
+      [&target = registry.action, action = std::move(action)] { target.stoppable = action; });
 }
 
 }  // namespace plenoflame::cli

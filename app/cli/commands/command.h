@@ -2,6 +2,9 @@
 #include <functional>
 #include <stop_token>
 #include <string>
+#include <vector>
+
+#include "plenoflame/base/error.h"
 
 namespace CLI {
 class App;
@@ -17,9 +20,17 @@ using PlainAction = std::function<int()>;
 /// saves its partial result, or throws Cancelled without one.
 using StoppableAction = std::function<int(const std::stop_token& stop)>;
 
+/// A setting that a file gave in place of the command line.
+struct FileOption {
+  SourcePosition position;
+  std::string key;
+  std::vector<std::string> names;  ///< as messages begin with it: "--basis", "basis"
+};
+
 struct Action {
   PlainAction plain;          ///< signals have their usual effect
   StoppableAction stoppable;  ///< one of the two is set
+  std::vector<FileOption> file = {};
 };
 
 /// A command registers itself with this. Parsing sets `action`; it runs after parsing, so that

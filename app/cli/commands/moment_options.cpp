@@ -1,4 +1,5 @@
 #include "commands/moment_options.h"
+#include "commands/add_option.h"
 
 #include <fmt/format.h>
 
@@ -22,13 +23,10 @@ int frame_option(const std::string& name, const std::string& text) {
 }  // namespace
 
 void add_moment_options(CLI::App& command, MomentChoice& choice) {
-  auto* const frame = command
-                          .add_option("--frame", choice.frame,
-                                      "Frame, at the beginning of its exposure (the first)")
-                          ->option_text("N");
-  command.add_option("--time", choice.time, "Time since the first frame, e.g. 2.5ms")
-      ->excludes(frame)
-      ->option_text("TIME");
+  auto* const frame = add_option(command, "--frame", choice.frame, "N",
+                                 "Frame, at the beginning of its exposure (the first)");
+  add_option(command, "--time", choice.time, "TIME", "Time since the first frame, e.g. 2.5ms")
+      ->excludes(frame);
 }
 
 SceneDocument at_moment(const SceneDocument& document, const MomentChoice& choice) {

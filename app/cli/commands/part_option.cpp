@@ -1,4 +1,5 @@
 #include "commands/part_option.h"
+#include "commands/add_option.h"
 
 #include <fmt/format.h>
 
@@ -25,12 +26,9 @@ int of_array(const std::string& option, const char* name) {
 }  // namespace
 
 void add_part_option(CLI::App& command, std::string& part, const std::string& what) {
-  command
-      .add_option(
-          "--part", part,
-          what +
-              "; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array")
-      ->option_text("K/N");
+  add_option(
+      command, "--part", part, "K/N",
+      what + "; 'auto/N' takes K from SLURM_ARRAY_TASK_ID, 'auto' also takes N from the job array");
 }
 
 Part part_option(const std::string& option, const std::string& text) {

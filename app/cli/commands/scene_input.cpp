@@ -1,4 +1,5 @@
 #include "commands/scene_input.h"
+#include "commands/add_option.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -42,11 +43,9 @@ SceneSettings settings_of(const std::vector<std::string>& values) {
 }  // namespace
 
 void add_set_option(CLI::App& command, std::vector<std::string>& values) {
-  command
-      .add_option(kOption, values,
-                  "Replace a value of the scene, such as camera.focus.object_distance=0.9m or "
-                  "flames[0].position=\"1 m, 0 m, -29 mm\"; repeatable")
-      ->option_text("KEY=VALUE")
+  add_option(command, kOption, values, "KEY=VALUE",
+             "Replace a value of the scene, such as camera.focus.object_distance=0.9m or "
+             "flames[0].position=\"1 m, 0 m, -29 mm\"; repeatable")
       ->allow_extra_args(false);
 }
 
@@ -120,10 +119,8 @@ SceneDocument read_scene_of_camera(const std::string& path,
 }
 
 void add_camera_option(CLI::App& command, std::string& camera) {
-  command
-      .add_option("--camera", camera,
-                  "Name of the scene's camera ([[cameras]]); needed if the scene has several")
-      ->option_text("NAME");
+  add_option(command, "--camera", camera, "NAME",
+             "Name of the scene's camera ([[cameras]]); needed if the scene has several");
 }
 
 SceneDocument choose_camera(const SceneDocument& document, const std::string& camera) {
@@ -140,10 +137,8 @@ std::string CameraScene::what() const {
 }
 
 void add_cameras_option(CLI::App& command, std::vector<std::string>& cameras) {
-  command
-      .add_option("--camera", cameras,
-                  "Use only this camera of the scene ([[cameras]]); may be repeated")
-      ->option_text("NAME")
+  add_option(command, "--camera", cameras, "NAME",
+             "Use only this camera of the scene ([[cameras]]); may be repeated")
       ->allow_extra_args(false);
 }
 

@@ -1,12 +1,21 @@
 """What numpy, xarray and notebooks ask of a result."""
 
+from __future__ import annotations
+
 import base64
 import html
 import struct
 import warnings
 import zlib
+from typing import TYPE_CHECKING
 
 import numpy
+
+
+if TYPE_CHECKING:
+    from typing import Any
+
+    from ._types import Array
 
 _SIDE = 192  # pixels of a small picture
 _UNITS = {"temperature": "K", "absorption": "1/m", "emission": "W/(m^3 sr)", "resolved": "", "resolved_absorption": ""}
@@ -16,7 +25,7 @@ class Shown:
     """Shows itself in a notebook: _summary() gives [(name, text)], _preview() the picture as small_picture() makes it,
     or None."""
 
-    def _repr_html_(self):
+    def _repr_html_(self) -> str:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the scene is only looked at
             picture, summary = self._preview(), list(self._summary())
@@ -32,13 +41,13 @@ class Shown:
 class AtHome(Shown):
     """Is an array, too: _values() gives it, _labelled(xarray) the same with coordinates."""
 
-    def __array__(self, dtype=None, copy=None):
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> Array:
         values = self._values()
         if copy is False and dtype is not None and numpy.dtype(dtype) != values.dtype:
             raise ValueError(f"{values.dtype} becomes {numpy.dtype(dtype)} by a copy alone; leave copy=False")
         return values.astype(values.dtype if dtype is None else dtype, copy=bool(copy))
 
-    def to_xarray(self):
+    def to_xarray(self) -> Any:
         """The same for xarray, with coordinates in metres, units and names, so that .plot() is upright and labelled. Raises
         ImportError without xarray."""
         try:
@@ -46,6 +55,11 @@ class AtHome(Shown):
         except ImportError:
             raise ImportError("to_xarray() needs xarray: apt install python3-xarray, or pip install xarray") from None
         return self._labelled(xarray)
+
+
+def attribute(name, about, of="_data"):
+    """A property: what the library's object gives."""
+    return property(lambda self: getattr(getattr(self, of), name), doc=about)
 
 
 def unit_of(field):

@@ -10,6 +10,11 @@ from ._run import Error, errors_of
 from ._values import Quantity, text_of
 
 _Kind = _core.SettingKind
+_TYPES = {_Kind.text: "Words", _Kind.word: "str", _Kind.whole: "int", _Kind.number: "float", _Kind.flag: "bool",
+          _Kind.lengths: "Place", _Kind.sides: "str | Sequence[int]", _Kind.file: "Path"}  # of _types
+
+_SHARED = {"threads": "0: one per processor",
+           "progress": "True for a bar, or a function that is called with the fraction done; a true result stops it"}
 
 
 def lengths(value, unit="m"):
@@ -43,16 +48,17 @@ def _default(value, kind, repeated, required):
 class Settings:
     """The settings of a request: their names, defaults and texts."""
 
-    def __init__(self, rows):
-        """rows: those of the library's table"""
-        self.rows = {name.replace("-", "_"): (name, text, _default(value, kind, repeated, required), kind, repeated)
-                     for name, _form, text, value, kind, repeated, required in rows}
+    def __init__(self, rows, **types):
+        """rows: those of the library's table; types: of those that take more than their kind"""
+        self._types = types
+        self.rows = {name.replace("-", "_"): (name, text, _default(value, kind, repeated, required), kind, repeated, form)
+                     for name, form, text, value, kind, repeated, required in rows}
 
     def arguments_of(self, function):
         """Decorates a function that takes them as **settings: gives it their signature, and adds their texts to its docstring."""
         keyword = inspect.Parameter.KEYWORD_ONLY
         kept = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
-        rows = [inspect.Parameter(name, keyword, default=row[2]) for name, row in self.rows.items()]
+        rows = [inspect.Parameter(name, keyword, default=row[2], annotation=self._type(name, *row[2:])) for name, row in self.rows.items()]
         signature = inspect.Signature([p for p in kept if p.kind is not keyword] + rows + [p for p in kept if p.kind is keyword])
         known = [name for name in signature.parameters if name != "self"]
 
@@ -67,15 +73,22 @@ class Settings:
         del checked.__wrapped__  # whose signature is another one
         checked.__signature__ = signature
         indent = " " * (8 if "self" in signature.parameters else 4)
-        checked.__doc__ = function.__doc__.replace("{settings}", ("\n" + indent).join(
-            f"{name}: {row[1]}" for name, row in self.rows.items()))
+        texts = {name: row[1] for name, row in self.rows.items()} | {p.name: _SHARED[p.name] for p in kept if p.name in _SHARED}
+        checked.__doc__ = function.__doc__.replace("{settings}", ("\n" + indent).join(map(": ".join, texts.items())))
         return checked
+
+    def _type(self, name, default, kind, repeated, form):
+        """As type checkers write it."""
+        own = _TYPES[_Kind.text if kind == _Kind.number and "," in form else kind]
+        if repeated:
+            own = {_Kind.file: "Files", _Kind.lengths: "str | Sequence[Place]"}.get(kind, own)
+        return self._types.get(name, own) + (" | None" if default is None else "")
 
     def set(self, algorithm, given):
         """Gives an object of the library those that are not None or the defaults. Raises Error."""
         with errors_of():
             for name, value in given.items():
-                own, _, default, kind, repeated = self.rows[name]
+                own, _, default, kind, repeated, _ = self.rows[name]
                 for one in ([value] if not repeated or isinstance(value, str) else value):
                     if one is not None and one is not default:
                         algorithm.set_option(own, _text(name, one, kind))

@@ -1,49 +1,59 @@
 """Values of a scene: numbers with units, tables as dicts and lists."""
 
+from __future__ import annotations
+
 import json
 import math
 import re
+from typing import TYPE_CHECKING
 
 from ._run import Error
+
+
+if TYPE_CHECKING:
+    from typing import Any
 
 
 class Quantity(float):
     """A number in SI units that knows its unit: `unit` ("m"), `text` ("100 um", as a scene file has it). Sums with
     quantities of the same unit and products with numbers keep it; all else gives plain numbers."""
 
-    def __new__(cls, value, unit, text=None):
+    unit: str
+    text: str
+
+    def __new__(cls, value: float, unit: str, text: str | None = None) -> Quantity:
         quantity = super().__new__(cls, value)
         quantity.unit = unit
         quantity.text = text if text is not None else f"{float(value)!r} {unit}"
         return quantity
 
-    def __getnewargs__(self):
+    def __getnewargs__(self) -> tuple[float, str, str]:
         return float(self), self.unit, self.text
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"Quantity({float(self)!r}, {self.unit!r})"
 
-    def __str__(self):
+    def __str__(self) -> str:
         return self.text
 
-    def __mul__(self, other):
+    def __mul__(self, other: Any) -> Any:
         product = float(self) * other
         return product if isinstance(other, Quantity) or not isinstance(product, float) else Quantity(product, self.unit)
 
     __rmul__ = __mul__
 
-    def __truediv__(self, other):
+    def __truediv__(self, other: Any) -> Any:
         quotient = float(self) / other
         return quotient if isinstance(other, Quantity) or not isinstance(quotient, float) else Quantity(quotient, self.unit)
 
-    def __neg__(self):
+    def __neg__(self) -> Quantity:
         return Quantity(-float(self), self.unit)
 
-    def __add__(self, other):
+    def __add__(self, other: Any) -> Any:
         total = float(self) + other
         return Quantity(total, self.unit) if isinstance(other, Quantity) and other.unit == self.unit else total
 
-    def __sub__(self, other):
+    def __sub__(self, other: Any) -> Any:
         return self + -other
 
 

@@ -1,14 +1,23 @@
 """Flames as voxels: made, read, imported and written."""
 
+from __future__ import annotations
+
 import ctypes
 import json
 import os
+from typing import TYPE_CHECKING
 
 import numpy
 
 from . import _check, _core, _home
 from ._arguments import refusal
 from ._run import Error, made, need_vtk, update
+
+
+if TYPE_CHECKING:
+    from typing import Any, Sequence
+
+    from ._types import Array, Path, Progress
 
 
 class Flame(_home.AtHome):
@@ -26,7 +35,7 @@ class Flame(_home.AtHome):
     fields with the axes z, y, x.
     """
 
-    def __init__(self, voxels):
+    def __init__(self, voxels: Any) -> None:
         """Takes voxels of the library. from_vtk(), flame_from_arrays() and other functions make a flame."""
         if not isinstance(voxels, _core.Voxels):
             raise Error(f"voxels takes those of the library, not {type(voxels).__name__}; flame_from_arrays() takes arrays, "
@@ -34,46 +43,31 @@ class Flame(_home.AtHome):
         self._data = voxels
 
     @staticmethod
-    def from_vtk(image):
+    def from_vtk(image: Any) -> Flame:
         """A copy of the points' or cells' arrays of a vtkImageData, such as vtkPlenoflameFlameReader and
         vtkPlenoflameFlameImport give. Raises Error."""
         from ._vtk import image_to_flame
         return _flame_of(*image_to_flame(image))
 
-    def to_vtk(self):
+    def to_vtk(self) -> Any:
         """The same as a vtkImageData whose arrays are in the flame's memory. Raises Error without VTK."""
         from ._vtk import flame_to_image
         return flame_to_image(*flame_arrays(self))
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _flame_of, flame_arrays(self)
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         arrays = self.arrays
         shape = " x ".join(map(str, self._values().shape)) if arrays else "no"
         return f"<plenoflame.Flame, {shape} voxels: {', '.join(sorted(arrays))}>"
 
-    @property
-    def arrays(self):
-        """{name: array [i, j, k]}, views without a copy."""
-        return self._data.arrays
+    arrays: dict[str, Array] = _home.attribute("arrays", "{name: array [i, j, k]}, views without a copy.")
+    spacing: tuple[float, float, float] = _home.attribute("spacing", "Between voxels along the three axes [m].")
+    origin: tuple[float, float, float] = _home.attribute("origin", "Place of voxel [0, 0, 0] [m].")
+    directions: list[tuple[float, float, float]] = _home.attribute("directions", "Unit vectors of the three axes.")
 
-    @property
-    def spacing(self):
-        """Between voxels along the three axes [m]."""
-        return self._data.spacing
-
-    @property
-    def origin(self):
-        """Place of voxel [0, 0, 0] [m]."""
-        return self._data.origin
-
-    @property
-    def directions(self):
-        """Unit vectors of the three axes."""
-        return self._data.directions
-
-    def __getitem__(self, name):
+    def __getitem__(self, name: str) -> Array:
         arrays = self.arrays
         if name not in arrays:
             raise KeyError(f"the flame has no field {name!r}; it has {', '.join(sorted(arrays)) or 'none'}")
@@ -127,13 +121,13 @@ def voxels_of(flame):
     return flame._data
 
 
-def flame_generators():
+def flame_generators() -> list[dict[str, Any]]:
     """The flames that can be generated: a list of {"name", "what", "parameters": [{"name", "about", "value", "unit"}]}.
     Each value is the default, as text with its unit."""
     return json.loads(_core.flame_generators())
 
 
-def make_flame(name, *, progress=None, **parameters):
+def make_flame(name: str, *, progress: Progress | None = None, **parameters: str | float) -> Flame:
     """A generated flame, as `plenoflame flame NAME` makes it: a Flame with "temperature" [K],
     "absorption" [1/m], and one field per emission line [W/m^3].
 
@@ -154,7 +148,8 @@ def make_flame(name, *, progress=None, **parameters):
     return Flame(update(generator, progress, "flame").output)
 
 
-def flame_from_arrays(temperature, absorption, *, spacing, origin=(0, 0, 0), **lines):
+def flame_from_arrays(temperature: Any, absorption: Any, *, spacing: float | Sequence[float], origin: Sequence[float] = (0, 0, 0),
+                      **lines: Any) -> Flame:
     """A Flame of numpy arrays, for Scene.add_flame and write_flame.
 
     temperature [K], absorption [1/m]: arrays [i, j, k] of the samples at origin + (i, j, k) spacing
@@ -185,7 +180,7 @@ def flame_from_arrays(temperature, absorption, *, spacing, origin=(0, 0, 0), **l
     return _flame_of(arrays, steps, start, [(1, 0, 0), (0, 1, 0), (0, 0, 1)])
 
 
-def flame_arrays(flame):
+def flame_arrays(flame: Flame) -> tuple[dict[str, Array], Sequence[float], Sequence[float], list[Sequence[float]]]:
     """The arrays of a flame's voxels, the inverse of flame_from_arrays: (arrays, spacing, origin, directions).
 
     arrays: {name: array [i, j, k]}, views without a copy; spacing: three lengths [m]; origin: the place of sample
@@ -203,16 +198,17 @@ def flame_arrays(flame):
     return flame.arrays, flame.spacing, flame.origin, flame.directions
 
 
-def read_flame(path, *, grid=""):
+def read_flame(path: Path, *, grid: str = "") -> Flame:
     """Reads the grids of a .vdb file as a Flame with "temperature" [K] and "absorption" [1/m], or any one grid by its name. A
     file with neither of them, as a reconstruction of emission alone, gives all its grids. Origin, spacing and directions
     place it as the file says. Raises Error."""
     return Flame(update(made(_core.FlameReader, path=os.fspath(path), grid=grid)).output)
 
 
-def import_flame(path, *, temperature="T", temperature_unit="K", absorption="", absorption_unit="1/m", soot="",
-                 soot_function=0.26, wavelength=650e-9, constant=0.0, voxel_size=0.0, bounds=None, length_scale=1.0,
-                 step=0, solution=None, progress=None):
+def import_flame(path: Path, *, temperature: str = "T", temperature_unit: str = "K", absorption: str = "",
+                 absorption_unit: str = "1/m", soot: str = "", soot_function: float = 0.26, wavelength: float = 6.5e-07,
+                 constant: float = 0.0, voxel_size: float = 0.0, bounds: Sequence[float] | None = None, length_scale: float = 1.0,
+                 step: int = 0, solution: Path | None = None, progress: Progress | None = None) -> Flame:
     """A flame from a simulation's file, on voxels: a Flame. Needs VTK.
 
     temperature: its array; absorption (array), soot (array of volume fraction) or constant [1/m]: exactly one of them
@@ -257,7 +253,8 @@ def _run_import(source, on_progress, on_message):
     run(int(source.__this__[1:].partition("_")[0], 16), progress_type(on_progress), message_type(on_text))
 
 
-def write_flame(path, flame, *, temperature="temperature", absorption="absorption", ambient=293.15, half=False):
+def write_flame(path: Path, flame: Flame, *, temperature: str = "temperature", absorption: str = "absorption",
+                ambient: float = 293.15, half: bool = False) -> None:
     """Writes a Flame as grids. temperature, absorption: names of its arrays, in K and 1/m;
     ambient: temperature outside [K]; half: values with 16 bits. Raises Error."""
     update(made(_core.FlameWriter, input=voxels_of(flame), path=os.fspath(path), temperature=temperature, absorption=absorption,

@@ -1,16 +1,24 @@
 """Light fields, and the pictures that are made of them."""
 
-import collections
+from __future__ import annotations
+
 import json
 import os
 import re
 import threading
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy
 
 from . import _check, _core, _home
 from ._run import Error, made, update
 from .measurements import Frames, MicroImages, Projections, Temperatures, Truth, exposed, temperatures, truth_of
+
+
+if TYPE_CHECKING:
+    from typing import Any, Iterable, Iterator, Sequence
+
+    from ._types import Array, Path, Progress
 
 _RESAMPLINGS = ("nearest", "barycentric", "paper9", "paper10")
 
@@ -26,33 +34,33 @@ class LightField(_home.AtHome):
     on the sensor count from its middle, x to the right of the picture.
     """
 
-    def __init__(self, field, relative_error=-1.0):
+    def __init__(self, field: Any, relative_error: float = -1.0) -> None:
         """The library's light field; Scene.render(), read_light_field() and from_vtk() make it."""
         if not isinstance(field, _core.LightField):
             raise Error(f"field takes a light field of the library, not {type(field).__name__}; LightField.from_vtk() takes a "
                         "vtkImageData")
         self._data = field
-        self.relative_error = relative_error  #: estimated relative RMSE over lit pixels; -1: not known
+        self.relative_error: float = relative_error  #: estimated relative RMSE over lit pixels; -1: not known
         self._filters = {}
         self._filtering = threading.Lock()  # a filter serves one thread at a time
 
     @staticmethod
-    def from_vtk(image):
+    def from_vtk(image: Any) -> LightField:
         """A copy of a vtkImageData that is a light field, as to_vtk(), vtkPlenoflameLightFieldSource and
         vtkPlenoflameLightFieldReader give it. Raises Error."""
         from ._vtk import image_to_light_field
         return _light_field_of(image_to_light_field(image))
 
-    def to_vtk(self):
+    def to_vtk(self) -> Any:
         """The same as a vtkImageData, an input for the filters of plenoflame.vtk. Its rows run upwards, as VTK's do, so it is a
         copy. Raises Error without VTK."""
         from ._vtk import light_field_to_image
         return light_field_to_image(self._data.state)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _light_field_of, (self._data.state, self.relative_error)
 
-    def copy(self):
+    def copy(self) -> LightField:
         """An independent copy."""
         return _light_field_of(*self.__reduce__()[1])
 
@@ -92,70 +100,48 @@ class LightField(_home.AtHome):
     def _preview(self):
         return _home.small_picture(self.flux)
 
-    @property
-    def channels(self):
-        """Names of the channels."""
-        return self._data.channels
+    channels: list[str] = _home.attribute("channels", "Names of the channels.")
+    unit: str = _home.attribute("unit", "'W', and 'e-' or 'DN' of pictures that were imported so.")
+    scene_text: str = _home.attribute("scene_text", "The scene that it was rendered from, as TOML.")
+    window: tuple[int, ...] = _home.attribute("window", "The part of the sensor that it holds: (x, y, width, height) from the top left.")
+    complete: bool = _home.attribute("complete", "False when the run was ended early.")
 
-    @property
-    def unit(self):
-        """"W", and "e-" or "DN" of pictures that were imported so."""
-        return self._data.unit
-
-    @property
-    def scene_text(self):
-        """The scene that it was rendered from, as TOML."""
-        return self._data.scene_text
-
-    @property
-    def window(self):
-        """The part of the sensor that it holds: (x, y, width, height) from the top left."""
-        return self._data.window
-
-    @property
-    def complete(self):
-        """False when the run was ended early."""
-        return self._data.complete
-
-    def __getitem__(self, channel):
+    def __getitem__(self, channel: str) -> Array:
         """Flux [W] of a channel by its name; NAME.error is its standard error; a layer by its name."""
         arrays = self._data.arrays
         if channel not in arrays:
             raise Error(f"the image has no array '{channel}'; it has {', '.join(arrays) or 'none'}")
         return arrays[channel]
 
-    @property
-    def layers(self):
-        """Names of further layers, "truth.distance" among them (Scene.render with truth=True); read one as
-        light_field["truth.distance"]."""
-        return self._data.layers
+    layers: list[str] = _home.attribute(
+        "layers", "Names of further layers, 'truth.distance' among them (Scene.render with truth=True); read one as light_field['truth.distance'].")
 
-    def __setitem__(self, channel, values):
+    def __setitem__(self, channel: str, values: Any) -> None:
         """Writes new values into the memory of a channel or layer."""
         place = self[channel]
         place[...] = _check.array(channel, values, place.shape)
 
     @property
-    def flux(self):
+    def flux(self) -> Array:
         """Flux [W] of the first channel."""
         return self[self.channels[0]]
 
     @flux.setter
-    def flux(self, values):
+    def flux(self, values: Any) -> None:
         self[self.channels[0]] = values
 
     @property
-    def error(self):
+    def error(self) -> Array:
         """Standard error [W] of the first channel's flux."""
         return self[self.channels[0] + ".error"]
 
     @error.setter
-    def error(self, values):
+    def error(self, values: Any) -> None:
         values = _check.array("error", values, self.flux.shape)
         self._data.add_error()  # where there was none
         self[self.channels[0] + ".error"] = values
 
-    def save(self, path):
+    def save(self, path: Path) -> None:
         """Writes the light field as EXR."""
         update(made(_core.LightFieldWriter, input=self._data, path=_check.file(path, ".exr", "; develop() makes a picture of it")))
 
@@ -167,7 +153,8 @@ class LightField(_home.AtHome):
             setattr(self._filters[kind], name, value)
         return self._filters[kind]
 
-    def develop(self, *, saturation=0.0, bits=14, curve="display", channel="", colour=False):
+    def develop(self, *, saturation: float = 0.0, bits: int = 14, curve: str = "display", channel: str = "",
+                colour: bool = False) -> Array:
         """The picture: numpy array (rows, columns) of uint16. expose() and electrons() have the sensor's noise.
 
         saturation: flux [W] that gives the largest value; 0: 99.9 % of the lit pixels do not exceed it
@@ -184,8 +171,8 @@ class LightField(_home.AtHome):
         with self._filtering:
             return update(self._filter(_core.Develop, **attributes)).output
 
-    def expose(self, exposure=None, *, noise=("shot", "read", "dark", "defects"), noise_seed=None, frames=1, dark=False, channel="",
-               threads=0):
+    def expose(self, exposure: str | float | None = None, *, noise: str | Sequence[str] = ("shot", "read", "dark", "defects"),
+               noise_seed: int | None = None, frames: int = 1, dark: bool = False, channel: str = "", threads: int = 0) -> Frames:
         """Frames of camera.sensor, as `plenoflame develop --sensor` writes them. Returns Frames.
 
         exposure: [s], or a text with a unit; "auto": 99.9 % of the lit pixels are below the full well; None: the sensor's
@@ -203,8 +190,9 @@ class LightField(_home.AtHome):
         """
         return Frames(*exposed(self._data, exposure, None, noise, noise_seed, frames, dark, channel, threads, False).output)
 
-    def electrons(self, exposure=None, *, channel_exposure=None, noise=("shot", "read", "dark", "defects"), noise_seed=None,
-                  dark=False, threads=0):
+    def electrons(self, exposure: str | float | None = None, *, channel_exposure: dict[str, str | float] | None = None,
+                  noise: str | Sequence[str] = ("shot", "read", "dark", "defects"), noise_seed: int | None = None,
+                  dark: bool = False, threads: int = 0) -> LightField:
         """The electrons of all channels in one frame, and their errors: a LightField with the unit "e-", as `plenoflame develop
         -o FILE.exr` writes it. Arguments as of expose().
 
@@ -212,7 +200,9 @@ class LightField(_home.AtHome):
         """
         return LightField(exposed(self._data, exposure, channel_exposure, noise, noise_seed, 1, dark, "", threads, True).electrons)
 
-    def pyrometry(self, *, channels=(), filters=(), law=None, exponent=1.0, threshold=0.01, least_signal=2.0, bin=None, cells=3):
+    def pyrometry(self, *, channels: str | Sequence[str] = (), filters: str | Sequence[str] = (), law: str | None = None,
+                  exponent: float = 1.0, threshold: float = 0.01, least_signal: float = 2.0, bin: int | str | None = None,
+                  cells: int = 3) -> Temperatures:
         """Temperatures from the ratio of two channels, or of two filters in the pupil, as `plenoflame pyrometry`. Returns
         Temperatures.
 
@@ -228,7 +218,8 @@ class LightField(_home.AtHome):
         found = temperatures(self._data, channels, filters, law, exponent, threshold, least_signal, bin, cells)
         return Temperatures(LightField(found.output), found.figures)
 
-    def truth(self, points=(), *, rays=4096, chief_rays=False, threads=0, progress=None):
+    def truth(self, points: Iterable[tuple[float, float, float]] = (), *, rays: int = 4096, chief_rays: bool = False,
+              threads: int = 0, progress: Progress | None = None) -> Truth:
         """Ground truth of the raw image by its camera, as `plenoflame truth`. Returns Truth.
 
         points: (x, y, z) in the world [m], which are projected through all microlenses that see them
@@ -241,8 +232,8 @@ class LightField(_home.AtHome):
         return Truth(MicroImages(*found.micro_images), Projections(*found.projections),
                      LightField(found.with_rays) if chief_rays else None)
 
-    def views(self, grid=7, *, spread=0.7, resampling="barycentric", white_correction=True, channel="", threads=0,
-              progress=None):
+    def views(self, grid: int = 7, *, spread: float = 0.7, resampling: str = "barycentric", white_correction: bool = True,
+              channel: str = "", threads: int = 0, progress: Progress | None = None) -> Views:
         """Sub-aperture views: the scene from grid x grid places on the main lens. Returns Views.
 
         progress: True for a bar, or a function that is called with the fraction done; so of refocus() and focus_stack()
@@ -265,7 +256,8 @@ class LightField(_home.AtHome):
                             aperture=_check.number("aperture", aperture, 1e-3, 1), channel=_check.text("channel", channel),
                             threads=_check.whole("threads", threads, 0, 1024))
 
-    def refocus(self, depth, *, width=0, aperture=1.0, channel="", threads=0, progress=None):
+    def refocus(self, depth: float, *, width: int = 0, aperture: float = 1.0, channel: str = "", threads: int = 0,
+                progress: Progress | None = None) -> Refocused:
         """The picture focused on the plane at `depth` [m] in front of the main lens. Returns Refocused.
 
             >>> import plenoflame
@@ -279,7 +271,8 @@ class LightField(_home.AtHome):
             update(refocus, progress, "refocus")
             return Refocused(refocus.output, depth, refocus.pixel, refocus.corner)
 
-    def focus_stack(self, depths, *, width=0, aperture=1.0, channel="", threads=0, progress=None):
+    def focus_stack(self, depths: Sequence[float], *, width: int = 0, aperture: float = 1.0, channel: str = "", threads: int = 0,
+                    progress: Progress | None = None) -> FocusStack:
         """Pictures at several depths [m], ascending, at least three, and the one that is sharp everywhere. Returns
         FocusStack."""
         try:
@@ -291,7 +284,8 @@ class LightField(_home.AtHome):
             stack.depths = depths
             return FocusStack(*update(stack, progress, "focus stack").output, depths)
 
-    def export(self, folder, format="npz", *, name="lightfield", grid=0, channel="", channels=()):
+    def export(self, folder: Path, format: str = "npz", *, name: str = "lightfield", grid: int = 0, channel: str = "",
+               channels: str | Sequence[str] = ()) -> Export:
         """Writes the files of another tool, as `plenoflame export`, all of them or none.
 
         folder: made when missing, else it must be empty; format: one of export_formats(); name: stem of the files;
@@ -310,7 +304,7 @@ class LightField(_home.AtHome):
                       grid=_check.whole("grid", grid, 0, 99), channel=_check.text("channel", channel), channels=",".join(channels))
         return Export(*update(writer).output)
 
-    def compare(self, reference, *, channel=""):
+    def compare(self, reference: LightField, *, channel: str = "") -> dict[str, Any]:
         """Error and bias against another light field that this one should equal: a dict of the figures that
         `plenoflame compare --json` prints, in SI units. Raises Error."""
         if not isinstance(reference, LightField):
@@ -331,13 +325,16 @@ def _light_field_of(state, relative_error=-1.0):
     return LightField(_core.LightField.from_state(state), relative_error)
 
 
-def export_formats():
+def export_formats() -> list[str]:
     """Names of the formats of LightField.export."""
     return _core.export_formats()
 
 
-Export = collections.namedtuple("Export", "files notes")
-Export.__doc__ = "What LightField.export wrote: names of files, and notes."
+class Export(NamedTuple):
+    """What LightField.export wrote: names of files, and notes."""
+
+    files: list[str]
+    notes: list[str]
 
 
 class Views(_home.AtHome):
@@ -347,15 +344,15 @@ class Views(_home.AtHome):
     the axes u, v (x and height on the main lens) and y, x (on the microlens array, from the middle of the view).
     """
 
-    def __init__(self, views, sheet, grid, unit, spread, scene_text):
-        self.grid = grid
-        self.unit = unit
-        self.sheet = sheet  #: all of them side by side
+    def __init__(self, views: list[Array], sheet: Array, grid: int, unit: str, spread: float, scene_text: str) -> None:
+        self.grid: int = grid
+        self.unit: str = unit
+        self.sheet: Array = sheet  #: all of them side by side
         self._views = numpy.stack(views).reshape(grid, grid, *views[0].shape)
         self._spread = spread
         self._scene_text = scene_text
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         rows, columns = self._views.shape[2:]
         return f"<plenoflame.Views, {self.grid} x {self.grid} views of {columns} x {rows} pixels, {self.unit}>"
 
@@ -384,13 +381,13 @@ class Views(_home.AtHome):
     def _preview(self):
         return _home.small_picture(self.sheet)
 
-    def __getitem__(self, place):
+    def __getitem__(self, place: tuple[int, int]) -> Array:
         row, column = place
         if not (0 <= row < self.grid and 0 <= column < self.grid):
             raise IndexError(f"view {row}, {column} of {self.grid} x {self.grid}")
         return self._views[row, column]
 
-    def epipolar(self, *, row=None, column=None):
+    def epipolar(self, *, row: int | None = None, column: int | None = None) -> Array:
         """Epipolar slice: one row (or column) of the scene as the viewpoint moves along the middle row (column) of the
         grid, a view per row of the slice. What stands at one depth draws straight lines; their slope is the
         disparity."""
@@ -403,33 +400,33 @@ class Views(_home.AtHome):
         column = _check.whole("column", column, 0, self[0, 0].shape[1] - 1)
         return numpy.stack([self[v, middle][:, column] for v in range(self.grid)])
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self.grid ** 2
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[Array]:
         return iter(self._views.reshape(-1, *self._views.shape[2:]))
 
 
 class Refocused(_home.AtHome):
     """A refocused picture. numpy.asarray(refocused) is its image, in the same memory; to_xarray() has the axes y, x."""
 
-    def __init__(self, image, depth, pixel, corner=(0.0, 0.0)):
-        self.image = image  #: radiance [W/(m^2 sr)], numpy array (rows, columns)
-        self.depth = depth  #: [m] in front of the main lens
-        self.pixel = pixel  #: [m] side of a pixel on the object plane
-        self.corner = tuple(corner)  #: [m] upper left corner of the picture on that plane, in the camera's x and y
+    def __init__(self, image: Array, depth: float, pixel: float, corner: Sequence[float] = (0.0, 0.0)) -> None:
+        self.image: Array = image  #: radiance [W/(m^2 sr)], numpy array (rows, columns)
+        self.depth: float = depth  #: [m] in front of the main lens
+        self.pixel: float = pixel  #: [m] side of a pixel on the object plane
+        self.corner: tuple[float, ...] = tuple(corner)  #: [m] upper left corner of the picture on that plane, in the camera's x and y
 
     @property
-    def x(self):
+    def x(self) -> Array:
         """Camera's x of the columns' middles on the object plane [m], to the right."""
         return self.corner[0] + (numpy.arange(self.image.shape[1]) + 0.5) * self.pixel
 
     @property
-    def y(self):
+    def y(self) -> Array:
         """Camera's y of the rows' middles on the object plane [m], downwards."""
         return self.corner[1] + (numpy.arange(self.image.shape[0]) + 0.5) * self.pixel
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         rows, columns = self.image.shape
         return f"<plenoflame.Refocused, {columns} x {rows} pixels, {self.depth:g} m in front of the main lens>"
 
@@ -453,20 +450,20 @@ class FocusStack:
     """Pictures at several depths, and what they tell together. All have the same size, and a pixel stands for the same
     direction in each."""
 
-    def __init__(self, all_in_focus, depth, confidence, planes, depths):
-        self.all_in_focus = all_in_focus  #: radiance [W/(m^2 sr)] at the depth that fits best, pixel by pixel
-        self.depth = depth  #: [m] for opaque scenes: a flame is transparent and has no single depth
-        self.confidence = confidence  #: 0: all depths fit alike; towards 1: one fits much better
-        self.planes = planes  #: the pictures at `depths`, radiance
-        self.depths = depths  #: [m]
+    def __init__(self, all_in_focus: Array, depth: Array, confidence: Array, planes: list[Array], depths: list[float]) -> None:
+        self.all_in_focus: Array = all_in_focus  #: radiance [W/(m^2 sr)] at the depth that fits best, pixel by pixel
+        self.depth: Array = depth  #: [m] for opaque scenes: a flame is transparent and has no single depth
+        self.confidence: Array = confidence  #: 0: all depths fit alike; towards 1: one fits much better
+        self.planes: list[Array] = planes  #: the pictures at `depths`, radiance
+        self.depths: list[float] = depths  #: [m]
 
 
-def read_light_field(path):
+def read_light_field(path: Path) -> LightField:
     """Reads a light field (.exr) that Plenoflame wrote. Raises Error."""
     return LightField(update(made(_core.LightFieldReader, path=os.fspath(path))).output)
 
 
-def merge(pictures):
+def merge(pictures: Iterable[LightField | Path]) -> LightField:
     """One light field of several: parts of one picture, windows side by side, or the mean of different seeds, as `plenoflame merge`.
 
         plenoflame.merge([scene.render(64, seed=1), scene.render(64, seed=2)]).error

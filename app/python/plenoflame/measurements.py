@@ -1,7 +1,9 @@
 """What is measured in light fields: frames of a sensor, temperatures, ground truth; and cameras of calibrations."""
 
-import collections
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy
 
@@ -9,51 +11,104 @@ from . import _check, _core, _home
 from ._run import Error, errors_of, made, update
 from ._values import text_of
 
+
+if TYPE_CHECKING:
+    from typing import Any, Mapping, Sequence
+
+    from ._types import Array, Path
+    from .light_field import LightField
+    from .scene import Scene
+
 _NOISE = ("shot", "read", "dark", "defects")
 _LAWS = (None, "grey", "soot", "power")
 
-Frames = collections.namedtuple("Frames", "numbers exposure_time gain black_level saturated")
-Frames.__doc__ = """Frames as a sensor gives them: digital numbers (frames, rows, columns), uint16; exposure time [s]; electrons per
-number; the number without light; pixels that are full, of each frame."""
 
-MicroImages = collections.namedtuple("MicroImages", "lens type centre radius")
-MicroImages.__doc__ = """Micro-images, an entry each: microlens (n, 2), its type, centre (column, row) (n, 2) and radius in pixels."""
+class Frames(NamedTuple):
+    """Frames as a sensor gives them: digital numbers (frames, rows, columns), uint16; exposure time [s]; electrons per
+    number; the number without light; pixels that are full, of each frame."""
 
-Projections = collections.namedtuple("Projections", "point lens type chief light spread share")
-Projections.__doc__ = """Images of points through microlenses, an entry each: number of the point, microlens (n, 2), its type; column and
-row (n, 2) of the ray through the lens' middle (NaN: stopped) and of the centroid of all light; spread of the light [pixels], and the
-lens' share in it."""
+    numbers: Array
+    exposure_time: float
+    gain: float
+    black_level: float
+    saturated: Array
 
-Truth = collections.namedtuple("Truth", "micro_images projections chief_rays")
-Truth.__doc__ = "Ground truth of a raw image: MicroImages, Projections, and a LightField with the layers of chief rays, or None."
 
-Corners = collections.namedtuple("Corners", "surface column row point in_camera lens type image spread share")
-Corners.__doc__ = """Images of a pattern's points through microlenses, an entry each: number of the surface; column and row in the
-pattern; place in the world and in the camera's frame [m], (n, 3); microlens (n, 2) and its type; column and row of the image (n, 2);
-spread of the light [pixels], and the lens' share in it."""
+class MicroImages(NamedTuple):
+    """Micro-images, an entry each: microlens (n, 2), its type, centre (column, row) (n, 2) and radius in pixels."""
 
-ImportedCamera = collections.namedtuple("ImportedCamera", "scene formats notes warnings")
-ImportedCamera.__doc__ = "What import_camera() read: the Scene of the camera; formats of the files; what was assumed; warnings."
+    lens: Array
+    type: Array
+    centre: Array
+    radius: Array
+
+
+class Projections(NamedTuple):
+    """Images of points through microlenses, an entry each: number of the point, microlens (n, 2), its type; column and
+    row (n, 2) of the ray through the lens' middle (NaN: stopped) and of the centroid of all light; spread of the light [pixels], and the
+    lens' share in it."""
+
+    point: Array
+    lens: Array
+    type: Array
+    chief: Array
+    light: Array
+    spread: Array
+    share: Array
+
+
+class Truth(NamedTuple):
+    """Ground truth of a raw image: MicroImages, Projections, and a LightField with the layers of chief rays, or None."""
+
+    micro_images: MicroImages
+    projections: Projections
+    chief_rays: LightField | None
+
+
+class Corners(NamedTuple):
+    """Images of a pattern's points through microlenses, an entry each: number of the surface; column and row in the
+    pattern; place in the world and in the camera's frame [m], (n, 3); microlens (n, 2) and its type; column and row of the image (n, 2);
+    spread of the light [pixels], and the lens' share in it."""
+
+    surface: Array
+    column: Array
+    row: Array
+    point: Array
+    in_camera: Array
+    lens: Array
+    type: Array
+    image: Array
+    spread: Array
+    share: Array
+
+
+class ImportedCamera(NamedTuple):
+    """What import_camera() read: the Scene of the camera; formats of the files; what was assumed; warnings."""
+
+    scene: Scene
+    formats: list[str]
+    notes: list[str]
+    warnings: list[str]
 
 
 class Temperatures(_home.AtHome):
     """Temperatures by the ratio of two colours. numpy.asarray(found) is the temperature [K], (rows, columns), 0 where there is none."""
 
-    def __init__(self, light_field, figures):
+    def __init__(self, light_field: LightField, figures: dict[str, Any]) -> None:
         """LightField.pyrometry() makes it."""
-        self.light_field = light_field  #: its channel is the temperature; save() writes what `plenoflame pyrometry -o` does
-        self.figures = figures  #: mean, deviation, lowest, highest, expected_deviation, scale_error [K]; pixels, bins, law, ...
+        self.light_field: LightField = light_field  #: its channel is the temperature; save() writes what `plenoflame pyrometry -o` does
+        self.figures: dict[str, Any] = figures  #: mean, deviation, lowest, highest, expected_deviation, scale_error [K]; pixels, bins, law, ...
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<plenoflame.Temperatures, {self.figures['mean']:.4g} K in {self.figures['pixels']} pixels>"
 
     @property
-    def temperature(self):
+    def temperature(self) -> Array:
         """Of each pixel [K]; 0: none."""
         return self.light_field["temperature"]
 
     @property
-    def error(self):
+    def error(self) -> Array | None:
         """Standard error of each [K]; None where the light field has none."""
         return self.light_field["temperature.error"] if "temperature.error" in self.light_field._data.arrays else None
 
@@ -123,7 +178,8 @@ def corners_of(scene, rays, threads, progress):
     return Corners(*update(corners, progress, "corners").output)
 
 
-def import_camera(files, *, format=None, values=None):
+def import_camera(files: Path | Sequence[Path], *, format: str | None = None,
+                  values: Mapping[str, Any] | None = None) -> ImportedCamera:
     """The camera of calibration files of another tool, as `plenoflame camera import`. Returns ImportedCamera.
 
         camera = plenoflame.import_camera("intrinsics.js", values={"camera.sensor.pixel_pitch": "5.5 um"}).scene

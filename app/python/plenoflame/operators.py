@@ -1,14 +1,25 @@
 """The matrix from a flame's samples to the pixels' fluxes, as a linear operator of SciPy."""
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy
 from scipy.sparse import csr_matrix
 from scipy.sparse.linalg import LinearOperator
 
 from . import _check, _core
 from ._arguments import guarded
+from ._home import attribute
 from ._options import cameras_of
 from ._run import Error, errors_of, made, update
 from .light_field import LightField
+
+
+if TYPE_CHECKING:
+    from typing import Any, Callable, Sequence
+
+    from ._types import Array
 
 
 @guarded
@@ -21,7 +32,7 @@ class Operator(LinearOperator):
     Python's lock released.
     """
 
-    def __init__(self, algorithm, sensors, bin, request):
+    def __init__(self, algorithm: Any, sensors: list[tuple[int, int]], bin: int, request: tuple[Any, ...]) -> None:
         """sensors: rows and columns of the blocks of each camera's pixels; bin: pixels along a side of a block, 1 for cells
         of micro-images; request: scenes, settings and threads, by which a pickled one is made again."""
         self._algorithm = algorithm
@@ -31,57 +42,36 @@ class Operator(LinearOperator):
         self._bin = bin
         self._request = request
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _made_again, self._request
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         return f"<plenoflame.Operator, {self.shape[0]} rows, {self.shape[1]} unknowns, {self.rays} rays>"
 
     @property
-    def settings(self):
+    def settings(self) -> dict[str, Any]:
         """The arguments of Scene.operator() that were given."""
         return dict(self._request[1])
 
-    @property
-    def rays(self):
-        """Rays that make it."""
-        return self._algorithm.rays
+    rays: int = attribute("rays", "Rays that make it.", "_algorithm")
+    of_source: bool = attribute("of_source", "Whether samples are those of a source function; else of emission.", "_algorithm")
 
     @property
-    def of_source(self):
-        """Whether samples are those of a source function; else of emission."""
-        return self._algorithm.of_source
-
-    @property
-    def grid_shape(self):
+    def grid_shape(self) -> tuple[int, ...]:
         """Unknowns along each axis, e.g. (rings, heights); numbers x.reshape(A.grid_shape)."""
         shape = self._algorithm.grid_shape
         while len(shape) > 1 and shape[-1] == 1:
             shape.pop()
         return tuple(shape)
 
-    @property
-    def pixels(self):
-        """Of each row column and line of its (block's or cell's first) pixel, and the number of its camera: (rows, 3)."""
-        return self._algorithm.pixels
+    pixels: Array = attribute(
+        "pixels", "Of each row column and line of its (block's or cell's first) pixel, and the number of its camera: (rows, 3).", "_algorithm")
+    places: Array = attribute("places", "Place of each unknown in the world [m]: (unknowns, 3); of a ring one of its points.", "_algorithm")
+    volumes: Array = attribute("volumes", "Volume of each unknown [m^3]: (unknowns,).", "_algorithm")
+    matrix_bytes: float = attribute("matrix_bytes", "What `matrix` takes, about.", "_algorithm")
 
     @property
-    def places(self):
-        """Place of each unknown in the world [m]: (unknowns, 3); of a ring one of its points."""
-        return self._algorithm.places
-
-    @property
-    def volumes(self):
-        """Volume of each unknown [m^3]: (unknowns,)."""
-        return self._algorithm.volumes
-
-    @property
-    def matrix_bytes(self):
-        """What `matrix` takes, about."""
-        return self._algorithm.matrix_bytes
-
-    @property
-    def matrix(self):
+    def matrix(self) -> csr_matrix:
         """The matrix as scipy.sparse.csr_matrix of single precision. Its `data` and `indices` are the memory of the
         library, not copies: they cannot be written to (A.matrix.copy() can), and outlive this object. Raises Error where
         there is not enough memory."""
@@ -104,19 +94,19 @@ class Operator(LinearOperator):
         if len(shape) not in (1, 2) or shape[0] != size:
             raise ValueError(f"dimension mismatch: {name} has the shape {shape}, the operator {self.shape}; {name} takes {size} numbers")
 
-    def matvec(self, x):
+    def matvec(self, x: Any) -> Array:
         self._dimensions("x", x, self.shape[1])
         return super().matvec(x)
 
-    def rmatvec(self, x):
+    def rmatvec(self, x: Any) -> Array:
         self._dimensions("y", x, self.shape[0])
         return super().rmatvec(x)
 
-    def matmat(self, X):
+    def matmat(self, X: Any) -> Array:
         self._dimensions("X", X, self.shape[1])
         return super().matmat(X)
 
-    def rmatmat(self, X):
+    def rmatmat(self, X: Any) -> Array:
         self._dimensions("Y", X, self.shape[0])
         return super().rmatmat(X)
 
@@ -126,12 +116,12 @@ class Operator(LinearOperator):
     def _rmatvec(self, y):
         return self._times(True, y)
 
-    def vjp(self, x):
+    def vjp(self, x: Array) -> tuple[Array, Callable[[Array], Array]]:
         """A x, and the function that takes a gradient with regard to it back to one with regard to x (which, as A is
         linear, is A^T): what automatic differentiation asks of a function."""
         return self @ x, lambda gradient: self.rmatvec(gradient)
 
-    def rows(self, images):
+    def rows(self, images: LightField | Array | Sequence[LightField | Array]) -> Array:
         """The fluxes of pictures as a vector of the rows, the inverse of image(): of blocks the sums over their pixels. Raises
         Error for rows that are parts of micro-images.
 
@@ -158,7 +148,7 @@ class Operator(LinearOperator):
             result[own] = blocks[self.pixels[own, 1] // self._bin, self.pixels[own, 0] // self._bin]
         return result
 
-    def image(self, fluxes, camera=0):
+    def image(self, fluxes: Array, camera: int = 0) -> Array:
         """Fluxes of the rows as a picture: numpy array (rows, columns) of a camera's pixels, or blocks of them; 0 where
         no ray meets the grid. Rows that are parts of micro-images are at their first pixel."""
         fluxes = numpy.asarray(fluxes)

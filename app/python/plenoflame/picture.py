@@ -1,15 +1,27 @@
 """Pictures of scenes without a window."""
 
+from __future__ import annotations
+
 import os
+from typing import TYPE_CHECKING
 
 from ._run import Error, need_vtk
+
+
+if TYPE_CHECKING:
+    from ._types import Array, Path
+    from .light_field import LightField
+    from .rays import Rays
+    from .scene import Scene
 
 _VIEWS = ("scene", "camera", "array", "flame")
 _COLOURS = ("type", "status")
 
 
-def picture(scene, path=None, *, view="scene", rays=None, light_field=None, colour_by="type", pixel=None,
-            size=(1200, 800), flame=True, surfaces=True, insets=True, axes=True):
+def picture(scene: Scene, path: Path | None = None, *, view: str = "scene", rays: Rays | None = None,
+            light_field: LightField | None = None, colour_by: str = "type", pixel: tuple[int, int] | None = None,
+            size: tuple[int, int] = (1200, 800), flame: bool = True, surfaces: bool = True, insets: bool = True,
+            axes: bool = True) -> Array | None:
     """Draws a scene: the flame by temperature, solid surfaces, the camera, rays.
 
     scene: Scene; path: .png to write, or None: the picture is returned instead

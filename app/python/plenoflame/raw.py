@@ -1,9 +1,11 @@
 """Light fields and calibrations of a real camera's pictures."""
 
-import collections
+from __future__ import annotations
+
 import io
 import json
 import os
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy
 
@@ -14,29 +16,63 @@ from ._values import text_of
 from .light_field import LightField
 from .scene import Scene
 
-Imported = collections.namedtuple("Imported", "light_field figures")
-Imported.__doc__ = "What import_raw() made: a LightField, and a dict of the figures that `plenoflame import --json` prints."
 
-White = collections.namedtuple("White", "scene centres radii figures")
-White.__doc__ = """What calibrate_white() found: a Scene with the array (None: the size of a pixel is not known); arrays with named
-columns, of all micro-images and of radii by f-number (None: of one); a dict of figures."""
+if TYPE_CHECKING:
+    from typing import Any, Mapping, Sequence
 
-Radiometry = collections.namedtuple("Radiometry", "text figures")
-Radiometry.__doc__ = "What calibrate_radiometry() found: the text of the file that import_raw() takes as radiometry, and a dict of figures."
+    from ._types import Array, Files, Path, Progress, Table
 
-Boards = collections.namedtuple("Boards", "corners figures")
-Boards.__doc__ = """What calibrate_corners() found: an array with the columns pose, x, y (on the board [m]), column, row (in the picture
-[pixels]), q, r (the microlens), error, blur and blur_error [pixels], an entry for each corner; a dict of figures."""
 
-Geometry = collections.namedtuple("Geometry", "scene poses residuals figures")
-Geometry.__doc__ = """What calibrate_geometry() found: a Scene with the camera; arrays with named columns, of the boards' places (pose,
-rms_pixel, x, y, z [m], r00 to r22: board to camera) and of what the fit leaves of each corner (residual_column, residual_row [pixels],
-NaN: left out); a dict of figures, in which values are the fitted ones with their errors."""
+class Imported(NamedTuple):
+    """What import_raw() made: a LightField, and a dict of the figures that `plenoflame import --json` prints."""
 
-Rig = collections.namedtuple("Rig", "scene figures")
-Rig.__doc__ = "What calibrate_rig() found: a Scene with all cameras, in the first one's world, and a dict of figures."
+    light_field: LightField
+    figures: dict[str, Any]
 
-_RAW, _WHITE, _RADIOMETRY, _BOARDS, _GEOMETRY, _RIG = (Settings(kind.settings()) for kind in (
+
+class White(NamedTuple):
+    """What calibrate_white() found: a Scene with the array (None: the size of a pixel is not known); arrays with named
+    columns, of all micro-images and of radii by f-number (None: of one); a dict of figures."""
+
+    scene: Scene | None
+    centres: Array
+    radii: Array | None
+    figures: dict[str, Any]
+
+
+class Radiometry(NamedTuple):
+    """What calibrate_radiometry() found: the text of the file that import_raw() takes as radiometry, and a dict of figures."""
+
+    text: str
+    figures: dict[str, Any]
+
+
+class Boards(NamedTuple):
+    """What calibrate_corners() found: an array with the columns pose, x, y (on the board [m]), column, row (in the picture
+    [pixels]), q, r (the microlens), error, blur and blur_error [pixels], an entry for each corner; a dict of figures."""
+
+    corners: Array
+    figures: dict[str, Any]
+
+
+class Geometry(NamedTuple):
+    """What calibrate_geometry() found: a Scene with the camera; arrays with named columns, of the boards' places (pose,
+    rms_pixel, x, y, z [m], r00 to r22: board to camera) and of what the fit leaves of each corner (residual_column, residual_row [pixels],
+    NaN: left out); a dict of figures, in which values are the fitted ones with their errors."""
+
+    scene: Scene
+    poses: Array
+    residuals: Array
+    figures: dict[str, Any]
+
+
+class Rig(NamedTuple):
+    """What calibrate_rig() found: a Scene with all cameras, in the first one's world, and a dict of figures."""
+
+    scene: Scene
+    figures: dict[str, Any]
+
+_RAW, _WHITE, _RADIOMETRY, _BOARDS, _GEOMETRY, _RIG = (Settings(kind.settings(), centres="Table", radii="Table") for kind in (
     _core.RawImport, _core.White, _core.Radiometry, _core.Boards, _core.Geometry, _core.Rig))
 _CORNERS = ("pose", "x", "y", "column", "row")
 _WITH_LENS = (*_CORNERS, "q", "r")
@@ -116,7 +152,7 @@ def _rows(name, table, *columns):
 
 
 @_RAW.arguments_of
-def import_raw(pictures, camera, *, threads=0, progress=None, **settings):
+def import_raw(pictures: Files, camera: Scene, *, threads: int = 0, progress: Progress | None = None, **settings: Any) -> Imported:
     """A light field of a real camera's pictures, as `plenoflame import`. Returns Imported.
 
         plenoflame.import_raw(["a.tif", "b.tif"], camera, dark="dark.tif", exposure_time=1e-3).light_field
@@ -127,9 +163,6 @@ def import_raw(pictures, camera, *, threads=0, progress=None, **settings):
 
     {settings}
 
-    threads: 0: one per processor
-    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
-
     Raises Error.
     """
     run = made(_core.RawImport, threads=_check.whole("threads", threads, 0, 1024))
@@ -138,16 +171,14 @@ def import_raw(pictures, camera, *, threads=0, progress=None, **settings):
 
 
 @_WHITE.arguments_of
-def calibrate_white(pictures, camera=None, *, threads=0, progress=None, **settings):
+def calibrate_white(pictures: Files, camera: Scene | None = None, *, threads: int = 0, progress: Progress | None = None,
+                    **settings: Any) -> White:
     """The microlens array by white pictures, as `plenoflame calibrate white`. Returns White.
 
     pictures: the name of a file, or several, which are averaged; or a dict of these by f-numbers; or a .csv of centres
     camera: a Scene with what is known of the camera; None: nothing
 
     {settings}
-
-    threads: 0: one per processor
-    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
     Raises Error.
     """
@@ -158,7 +189,8 @@ def calibrate_white(pictures, camera=None, *, threads=0, progress=None, **settin
 
 
 @_RADIOMETRY.arguments_of
-def calibrate_radiometry(sources, camera, *, threads=0, progress=None, **settings):
+def calibrate_radiometry(sources: Mapping[Any, Path | Sequence[Path]], camera: Scene, *, threads: int = 0, progress: Progress | None = None,
+                         **settings: Any) -> Radiometry:
     """The energy of a count by pictures of a blackbody, as `plenoflame calibrate radiometry`. Returns Radiometry.
 
         found = plenoflame.calibrate_radiometry({(1700, 50e-6): "blackbody.tif"}, camera, dark="dark.tif")
@@ -168,9 +200,6 @@ def calibrate_radiometry(sources, camera, *, threads=0, progress=None, **setting
     dark and white may be dicts by exposure times [s]
 
     {settings}
-
-    threads: 0: one per processor
-    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
     Raises Error.
     """
@@ -183,7 +212,8 @@ def calibrate_radiometry(sources, camera, *, threads=0, progress=None, **setting
 
 
 @_BOARDS.arguments_of
-def calibrate_corners(pictures, camera, *, threads=0, progress=None, **settings):
+def calibrate_corners(pictures: Path | Sequence[Path], camera: Scene, *, threads: int = 0, progress: Progress | None = None,
+                      **settings: Any) -> Boards:
     """The corners of checkerboards, or dots, in the micro-images of raw pictures, as `plenoflame calibrate corners`. Returns Boards.
 
         found = plenoflame.calibrate_corners(["a.tif", "b.tif"], camera, board=(9, 6), cell=5e-3, white="white.tif")
@@ -194,8 +224,6 @@ def calibrate_corners(pictures, camera, *, threads=0, progress=None, **settings)
     {settings}
 
     Lengths are in metres, or texts with units.
-    threads: 0: one per processor
-    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
     Raises Error where no picture shows the board.
     """
@@ -205,7 +233,7 @@ def calibrate_corners(pictures, camera, *, threads=0, progress=None, **settings)
 
 
 @_GEOMETRY.arguments_of
-def calibrate_geometry(corners, camera, *, progress=None, **settings):
+def calibrate_geometry(corners: Table, camera: Scene, *, progress: Progress | None = None, **settings: Any) -> Geometry:
     """Distances, focal length and decentre by corners of a board that was seen in several poses, as `plenoflame calibrate geometry`.
     Returns Geometry.
 
@@ -219,7 +247,6 @@ def calibrate_geometry(corners, camera, *, progress=None, **settings):
     {settings}
 
     centres and radii are those of calibrate_white, arrays (n, 4) of q, r, column, row and of type, f-number, radius, error, or names of files
-    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
     Raises Error for values that the corners do not determine.
     """
@@ -238,7 +265,7 @@ def calibrate_geometry(corners, camera, *, progress=None, **settings):
 
 
 @_RIG.arguments_of
-def calibrate_rig(cameras, *, progress=None, **settings):
+def calibrate_rig(cameras: Sequence[Geometry | tuple[Scene, Table]], *, progress: Progress | None = None, **settings: Any) -> Rig:
     """Places of several cameras, by boards that they have seen together, as `plenoflame calibrate rig`. Returns Rig.
 
         rig = plenoflame.calibrate_rig([left, right]).scene
@@ -249,7 +276,6 @@ def calibrate_rig(cameras, *, progress=None, **settings):
     {settings}
 
     Lengths are in metres, or texts with units.
-    progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
     Raises Error for cameras that have no pose in common.
     """

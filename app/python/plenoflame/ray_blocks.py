@@ -1,10 +1,19 @@
 """The rays that make a picture, block by block."""
 
+from __future__ import annotations
+
 import time
+from typing import TYPE_CHECKING
 
 from . import _core
 from ._run import Error, errors_of, made
 from .rays import Rays
+
+
+if TYPE_CHECKING:
+    from typing import Any, ClassVar
+
+    from ._types import Array
 
 _PRECISIONS = {"double": True, "single": False}
 _PAUSE = 2e-4  # seconds
@@ -21,21 +30,34 @@ class RayBlock:
     [W/(m^2 sr)], where it was asked for.
     """
 
-    STATUSES = Rays.STATUSES
+    STATUSES: ClassVar[tuple[str, ...]] = Rays.STATUSES
+    pixel: Array
+    microlens: Array
+    type: Array
+    replicate: Array
+    status: Array
+    ended_at: Array
+    etendue: Array
+    sampled_etendue: Array
+    origin: Array
+    direction: Array
+    t_near: Array
+    t_far: Array
+    radiance: Array
 
-    def __init__(self, state):
+    def __init__(self, state: dict[str, Any]) -> None:
         """Plain values, as the library gives them."""
         self._data = state
 
-    def to_vtk(self):
+    def to_vtk(self) -> Any:
         """The same as a vtkTable, whose columns are in the memory of the block. Raises Error without VTK."""
         from ._vtk import block_to_table
         return block_to_table(self._data)
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return RayBlock, (self._data,)
 
-    def __len__(self):
+    def __len__(self) -> int:
         return self._data["rows"]
 
     def __repr__(self):
@@ -45,26 +67,26 @@ class RayBlock:
         return self._data["fields"][name]
 
     @property
-    def anchor(self):
+    def anchor(self) -> Array:
         """Place in the world that origins count from [m]: (3,)."""
         return self._field("anchor")
 
     @property
-    def tile(self):
+    def tile(self) -> int:
         """Number of the tile of 64 x 64 pixels, row by row in the window."""
         return int(self._field("tile")[0])
 
     @property
-    def path(self):
+    def path(self) -> int:
         """Way through the camera: one for each wavelength where glasses disperse, else 0."""
         return int(self._field("path")[0])
 
     @property
-    def channels(self):
+    def channels(self) -> Array:
         """Numbers of the scene's channels that `radiance` has, in its order."""
         return self._field("channels")
 
-    def __getattr__(self, name):
+    def __getattr__(self, name: str) -> Array:
         if name.startswith("_"):
             raise AttributeError(name)
         values = self._data["columns"].get(name)

@@ -1,10 +1,13 @@
 """Flames back from pictures of them."""
 
+from __future__ import annotations
+
 import functools
 import json
 import os
 import pathlib
 import tempfile
+from typing import TYPE_CHECKING
 
 import numpy
 
@@ -15,8 +18,22 @@ from .flame import Flame
 from .light_field import LightField, read_light_field
 from .scene import OPERATOR
 
+
+if TYPE_CHECKING:
+    from typing import Any, Mapping, Sequence
+
+    from ._types import Array, Path, Progress
+    from .operators import Operator
+    from .scene import Scene
+
+    Image = LightField | Path
+
 _FIELDS = ("emission", "temperature", "absorption")
 _DIMENSIONS = {"voxels": 3, "rings": 2, "layers": 1}
+
+
+def _field(name, about):
+    return property(lambda self: self._fields.get(name), doc=about)
 
 
 class Reconstruction(_home.AtHome):
@@ -30,20 +47,20 @@ class Reconstruction(_home.AtHome):
     [x, y, z]. to_xarray() is a Dataset of all fields: rings with the axes z, r, voxels with z, y, x.
     """
 
-    def __init__(self, algorithm, unknowns):
+    def __init__(self, algorithm: Any, unknowns: str) -> None:
         self._algorithm = algorithm  # None when unpickled
-        self.unknowns = unknowns  #: "voxels", "rings" or "layers"
-        self.complete = algorithm.complete  #: False when it was stopped early: what was reached by then
-        self.flame = Flame(algorithm.output)  #: the fields on voxels, as Scene.add_flame takes it
-        self.figures = json.loads(algorithm.figures)  #: as `plenoflame reconstruct --json` prints them
-        self.report = algorithm.report  #: the same as text, a line each
+        self.unknowns: str = unknowns  #: "voxels", "rings" or "layers"
+        self.complete: bool = algorithm.complete  #: False when it was stopped early: what was reached by then
+        self.flame: Flame = Flame(algorithm.output)  #: the fields on voxels, as Scene.add_flame takes it
+        self.figures: dict[str, Any] = json.loads(algorithm.figures)  #: as `plenoflame reconstruct --json` prints them
+        self.report: str = algorithm.report  #: the same as text, a line each
         shape = algorithm.shape
         while len(shape) > 1 and shape[-1] == 1:
             shape.pop()
-        self.shape = tuple(shape)  #: unknowns along each axis
+        self.shape: tuple[int, ...] = tuple(shape)  #: unknowns along each axis
         self._fields = {name: values.reshape(self.shape) for name, values in algorithm.fields.items()}
 
-    def __repr__(self):
+    def __repr__(self) -> str:
         state = "" if self.complete else ", stopped early"
         return f"<plenoflame.Reconstruction, {' x '.join(map(str, self.shape))} unknowns: {', '.join(self._fields)}{state}>"
 
@@ -89,7 +106,7 @@ class Reconstruction(_home.AtHome):
             return None
         return _home.small_picture(values.max(1).T[::-1] if values.ndim == 3 else values, hot=self._main() == "temperature")
 
-    def __getstate__(self):
+    def __getstate__(self) -> dict[str, Any]:
         """All of it, with the file that save() writes in place of the algorithm."""
         places, residuals, explained = self.places, self.residuals, self.explained
         return {**vars(self), "_algorithm": None, "_file": self._content(), "places": places, "residuals": residuals,
@@ -105,68 +122,37 @@ class Reconstruction(_home.AtHome):
                 self._algorithm.write(path)
             return pathlib.Path(path).read_bytes()
 
-    @property
-    def temperature(self):
-        """[K]; 0: what emits next to nothing has none."""
-        return self._fields.get("temperature")
-
-    @property
-    def temperature_deviation(self):
-        """[K] standard deviation."""
-        return self._fields.get("temperature_deviation")
-
-    @property
-    def absorption(self):
-        """[1/m]"""
-        return self._fields.get("absorption")
-
-    @property
-    def absorption_deviation(self):
-        """[1/m] standard deviation, where it was solved for."""
-        return self._fields.get("absorption_deviation")
-
-    @property
-    def emission(self):
-        """[W/(m^3 sr)] into the channel."""
-        return self._fields.get("emission")
-
-    @property
-    def emission_deviation(self):
-        """[W/(m^3 sr)] standard deviation."""
-        return self._fields.get("emission_deviation")
-
-    @property
-    def resolved(self):
-        """Diagonal of the resolution matrix, 0 to 1."""
-        return self._fields.get("resolved")
-
-    @property
-    def resolved_absorption(self):
-        """The same of the absorption, where it was solved for."""
-        return self._fields.get("resolved_absorption")
+    temperature: Array | None = _field("temperature", "[K]; 0: what emits next to nothing has none.")
+    temperature_deviation: Array | None = _field("temperature_deviation", "[K] standard deviation.")
+    absorption: Array | None = _field("absorption", "[1/m]")
+    absorption_deviation: Array | None = _field("absorption_deviation", "[1/m] standard deviation, where it was solved for.")
+    emission: Array | None = _field("emission", "[W/(m^3 sr)] into the channel.")
+    emission_deviation: Array | None = _field("emission_deviation", "[W/(m^3 sr)] standard deviation.")
+    resolved: Array | None = _field("resolved", "Diagonal of the resolution matrix, 0 to 1.")
+    resolved_absorption: Array | None = _field("resolved_absorption", "The same of the absorption, where it was solved for.")
 
     @functools.cached_property
-    def places(self):
+    def places(self) -> Array:
         """Place of each unknown in the world [m]: shape + (3,)."""
         return self._algorithm.places.reshape((*self.shape, 3))
 
     @property
-    def history(self):
+    def history(self) -> Array:
         """chi^2 per row, iteration by iteration."""
         return numpy.array(self.figures["history"])
 
     @functools.cached_property
-    def residuals(self):
+    def residuals(self) -> list[Array]:
         """What the flame does not explain of each picture [W]: arrays (rows, columns), of the cameras of the first channel,
         then of the second."""
         return self._algorithm.residuals
 
     @functools.cached_property
-    def explained(self):
+    def explained(self) -> list[Array]:
         """What it does [W]."""
         return self._algorithm.explained
 
-    def save(self, path):
+    def save(self, path: Path) -> None:
         """Writes the grids as `plenoflame reconstruct -o` does. Raises Error."""
         name = _check.file(path, ".vdb")
         if self._algorithm is None:
@@ -225,11 +211,12 @@ def _with_operator(algorithm, operator, settings):
     return {**settings, **own}
 
 
-_SETTINGS = Settings(_core.reconstruct_settings())
+_SETTINGS = Settings(_core.reconstruct_settings(), prior="Reconstruction | Path", start="Reconstruction | Path")
 
 
 @_SETTINGS.arguments_of
-def reconstruct(scene, images, *, operator=None, threads=0, progress=None, **settings):
+def reconstruct(scene: Scene | Sequence[Scene], images: Image | Sequence[Image] | Mapping[str, Image], *,
+                operator: Operator | None = None, threads: int = 0, progress: Progress | None = None, **settings: Any) -> Reconstruction:
     """The flame back from pictures of it, as `plenoflame reconstruct` (docs/reconstruct.md), whose options these are.
 
         found = plenoflame.reconstruct(scene, scene.render(512), unknowns="rings", grid=(16, 32), absorption="scene")
@@ -244,9 +231,6 @@ def reconstruct(scene, images, *, operator=None, threads=0, progress=None, **set
 
     operator: one that Scene.operator() has made of these cameras. Its unknowns, rows and rays are used, so that several pictures
     need them once; and its matrix, if A.matrix was asked for
-    threads: 0: one per processor
-    progress: True for a bar, or a function that is called with the fraction done; a true result ends the run early, with what
-    was reached until then
 
     Returns Reconstruction. Raises Error with the sentence of the command. Ctrl-C raises KeyboardInterrupt; what was reached
     by then is its `reconstruction` (None: nothing yet).

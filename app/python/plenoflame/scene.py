@@ -1,8 +1,10 @@
 """A scene: a camera, its flames, and how to render them."""
 
-import collections
+from __future__ import annotations
+
 import json
 import os
+from typing import TYPE_CHECKING, NamedTuple
 
 from . import _check, _core, _home
 from ._arguments import refusal
@@ -15,13 +17,26 @@ from .measurements import corners_of
 from .ray_blocks import ray_blocks
 from .rays import Rays
 
+
+if TYPE_CHECKING:
+    from typing import Any, Iterable, Iterator, Sequence
+
+    from ._types import Path, Progress, Value
+    from .measurements import Corners
+    from .operators import Operator
+    from .ray_blocks import RayBlock
+
 _ESTIMATORS = {None: None, "backward": _core.Estimator.backward, "forward": _core.Estimator.forward}
 
 OPERATOR = Settings(_core.operator_settings())
 _OPTIMIZE = Settings(_core.Optimize.settings())
 
-Optimized = collections.namedtuple("Optimized", "scene figures")
-Optimized.__doc__ = "What Scene.optimize() found: a Scene with the better camera, and a dict of figures before and after."
+
+class Optimized(NamedTuple):
+    """What Scene.optimize() found: a Scene with the better camera, and a dict of figures before and after."""
+
+    scene: Scene
+    figures: dict[str, Any]
 
 
 class Scene(_home.Shown):
@@ -50,7 +65,7 @@ class Scene(_home.Shown):
     scene.to_vtk() is the same as an input for the algorithms of plenoflame.vtk.
     """
 
-    def __init__(self, path=None, *, text=None, name="scene.toml"):
+    def __init__(self, path: Path | None = None, *, text: str | None = None, name: Path = "scene.toml") -> None:
         """Reads the file `path`, or takes `text` in the same form (`name` stands for the file in messages and is where
         relative paths start). Raises Error with file, line and column."""
         if (path is None) == (text is None):
@@ -93,7 +108,7 @@ class Scene(_home.Shown):
         except Error:  # no flame, or one of emission alone
             return None
 
-    def to_vtk(self):
+    def to_vtk(self) -> Any:
         """A vtkPlenoflameScene of the same text, camera and flames in memory, an input for the algorithms of plenoflame.vtk. What
         is changed of this scene afterwards plays no part there. Raises Error without VTK."""
         scene = need_vtk("Scene.to_vtk()").vtkPlenoflameScene()
@@ -106,36 +121,36 @@ class Scene(_home.Shown):
         return scene
 
     @property
-    def cameras(self):
+    def cameras(self) -> list[str]:
         """Names of the cameras; that of a single one may be empty."""
         return self._scene.cameras
 
     @property
-    def camera_name(self):
+    def camera_name(self) -> str:
         """Name of the camera that the scene is about; empty: the only one. Setting it raises Error for a name that no
         camera has. Values and texts are those of all cameras, whichever is chosen."""
         return self._scene.camera
 
     @camera_name.setter
-    def camera_name(self, name):
+    def camera_name(self, name: str) -> None:
         with errors_of(self._scene):
             self._scene.camera = name
 
-    def with_camera(self, name):
+    def with_camera(self, name: str) -> Scene:
         """A copy that is about another camera."""
         copy = self.copy()
         copy.camera_name = name
         return copy
 
     @property
-    def frames(self):
+    def frames(self) -> range:
         """Numbers of the frames of flames that change with time, a range; empty where nothing does, or where neither a
         series nor camera.sensor.frame_rate says how many there are per second."""
         with errors_of(self._scene):
             first, last = self._scene.frames
         return range(first, last + 1)
 
-    def at_frame(self, number):
+    def at_frame(self, number: int) -> Scene:
         """A copy in which nothing changes any more: the scene at the begin of a frame's exposure. Raises Error for a
         number that is not among frames, or a file that is missing."""
         copy = self.copy()
@@ -143,7 +158,7 @@ class Scene(_home.Shown):
             copy._scene.move_to_frame(number)
         return copy
 
-    def at_time(self, seconds):
+    def at_time(self, seconds: float) -> Scene:
         """The same at a time in s since the begin of the first frame."""
         copy = self.copy()
         with errors_of(copy._scene):
@@ -151,29 +166,29 @@ class Scene(_home.Shown):
         return copy
 
     @property
-    def columns(self):
+    def columns(self) -> int:
         """Columns of the sensor. Raises Error where there are several cameras and none is chosen."""
         with errors_of(self._scene):
             return self._scene.columns
 
     @property
-    def rows(self):
+    def rows(self) -> int:
         """Rows of the sensor, as columns."""
         with errors_of(self._scene):
             return self._scene.rows
 
     @property
-    def channels(self):
+    def channels(self) -> list[str]:
         """Names of the channels."""
         return self._scene.channels
 
     @property
-    def text(self):
+    def text(self) -> str:
         """The whole scene as TOML, presets resolved."""
         with errors_of(self._scene):
             return self._scene.text
 
-    def save(self, path):
+    def save(self, path: Path) -> None:
         """Writes the scene to a TOML file. A scene with a flame in memory has no file: write_flame() first, and set the
         flame's "file"."""
         for number in range(self.list_size("flames")):
@@ -182,14 +197,14 @@ class Scene(_home.Shown):
         with errors_of(self._scene):
             self._scene.write_file(os.fspath(path))
 
-    def keys(self):
+    def keys(self) -> list[str]:
         """Paths of all values."""
         return self._scene.paths
 
-    def __iter__(self):
+    def __iter__(self) -> Iterator[str]:
         return iter(self.keys())
 
-    def __getitem__(self, path):
+    def __getitem__(self, path: str) -> Any:
         """The value at a path: a number (Quantity where it has a unit), text, true or false, or a tuple of numbers; a
         table as a dict, a list of tables as a list. Raises KeyError for an unknown path."""
         try:
@@ -206,7 +221,7 @@ class Scene(_home.Shown):
                 raise KeyError(str(error)) from None
             return []
 
-    def get_text(self, path):
+    def get_text(self, path: str) -> str:
         """The value at a path as a scene file has it, with its unit. Raises KeyError for an unknown path."""
         try:
             with errors_of(self._scene):
@@ -214,29 +229,29 @@ class Scene(_home.Shown):
         except Error as error:
             raise KeyError(str(error)) from None
 
-    def __setitem__(self, path, value):
+    def __setitem__(self, path: str, value: Value) -> None:
         """Sets a value from text with a unit or a Quantity, or from a number, bool or list of them where the key has no
         unit. Raises Error, with the scene unchanged."""
         value = text_of(value)
         with errors_of(self._scene):
             self._scene.set_value(path, value)
 
-    def list_size(self, path):
+    def list_size(self, path: str) -> int:
         """Items of a list of tables, such as "flames" or "camera.lens.surfaces"."""
         with errors_of(self._scene):
             return self._scene.list_size(path)
 
-    def insert(self, path, position):
+    def insert(self, path: str, position: int) -> None:
         """Inserts an item with default values into a list of tables."""
         with errors_of(self._scene):
             self._scene.insert(path, _check.whole("position", position, -1))
 
-    def remove(self, path, position):
+    def remove(self, path: str, position: int) -> None:
         """Removes an item from a list of tables."""
         with errors_of(self._scene):
             self._scene.remove(path, _check.whole("position", position, -1))
 
-    def add_flame(self, flame, *, lines=(), ambient=293.15, **values):
+    def add_flame(self, flame: Flame, *, lines: Sequence[str] = (), ambient: float = 293.15, **values: Value) -> None:
         """Adds a flame from memory: a Flame, as make_flame, flame_from_arrays, import_flame and read_flame give
         it. It lasts as long as the scene and its copies; a file of the scene cannot hold it.
 
@@ -271,13 +286,13 @@ class Scene(_home.Shown):
             raise
         self._images[name] = (flame, ambient)
 
-    def check(self):
+    def check(self) -> None:
         """Checks that the values go together. Raises Error for what is impossible, warns about what is probably not
         meant."""
         with errors_of(self._scene):
             self._scene.validate()
 
-    def copy(self):
+    def copy(self) -> Scene:
         """An independent copy."""
         copy = Scene.__new__(Scene)
         copy._name = self._name
@@ -287,20 +302,21 @@ class Scene(_home.Shown):
 
     __copy__ = copy
 
-    def __deepcopy__(self, _memo):
+    def __deepcopy__(self, _memo: Any) -> Scene:
         return self.copy()
 
-    def __reduce__(self):
+    def __reduce__(self) -> tuple[Any, ...]:
         return _scene_of, (self.text, self._name, self._images, self.camera_name)
 
-    def design(self):
+    def design(self) -> dict[str, Any]:
         """What a camera can do, as `plenoflame design --json` prints it: a dict with SI units; None is infinite."""
         with errors_of(self._scene):
             text = self._scene.design_json()
         return json.loads(text)
 
-    def render(self, samples=0, *, seed=-1, estimator=None, window=None, target_error=0.0, time_limit=0.0, threads=0,
-               truth=False, white=False, progress=None):
+    def render(self, samples: int = 0, *, seed: int = -1, estimator: str | None = None,
+               window: tuple[int, int, int, int] | None = None, target_error: float = 0.0, time_limit: float = 0.0,
+               threads: int = 0, truth: bool = False, white: bool = False, progress: Progress | None = None) -> LightField:
         """Renders the light field.
 
         samples: rays per pixel and microlens (backward), energy bundles in all (forward); 0: as the scene says
@@ -338,8 +354,10 @@ class Scene(_home.Shown):
             raise Error(f"window reaches beyond the sensor of {self.columns} x {self.rows} pixels")
         return x, y, width, height
 
-    def rays(self, *, pixels=(), microlenses=(), points=(), random=0, chief=False, rays=64, flame_samples=0,
-             status=None, lens_type=None, most=0, seed=-1, threads=0):
+    def rays(self, *, pixels: Iterable[tuple[int, int]] = (), microlenses: Iterable[tuple[int, int]] = (),
+             points: Iterable[tuple[float, float, float]] = (), random: int = 0, chief: bool = False, rays: int = 64,
+             flame_samples: int = 0, status: str | Iterable[str] | None = None, lens_type: int | None = None, most: int = 0,
+             seed: int = -1, threads: int = 0) -> Rays:
         """Paths of rays; bundles are added to one another.
 
         pixels: (column, row), all rays of each; microlenses: (q, r); points: (x, y, z) in the world [m], towards the
@@ -376,8 +394,9 @@ class Scene(_home.Shown):
             source.statuses = [name in chosen for name in Rays.STATUSES]
         return Rays(update(source).output)
 
-    def ray_blocks(self, samples=0, *, window=None, precision="double", radiance=False, seed=-1, skip=True,
-                   rays_per_block=65536, threads=0):
+    def ray_blocks(self, samples: int = 0, *, window: tuple[int, int, int, int] | None = None, precision: str = "double",
+                   radiance: bool = False, seed: int = -1, skip: bool = True, rays_per_block: int = 65536,
+                   threads: int = 0) -> Iterator[RayBlock]:
         """The rays that make the picture, as an iterator of RayBlock: a pixel's flux is the sum of etendue * radiance over
         its rays. They are traced while the blocks are worked on, a few blocks ahead.
 
@@ -400,7 +419,7 @@ class Scene(_home.Shown):
         """
         return ray_blocks(self, samples, window, precision, radiance, seed, skip, rays_per_block, threads)
 
-    def corners(self, rays=4096, *, threads=0, progress=None):
+    def corners(self, rays: int = 4096, *, threads: int = 0, progress: Progress | None = None) -> Corners:
         """Where the points of calibration patterns (corners of checkerboards, dots) are, in the world and in the raw image, as
         `plenoflame corners`. Returns Corners.
 
@@ -411,7 +430,7 @@ class Scene(_home.Shown):
         return corners_of(self._scene, rays, threads, progress)
 
     @_OPTIMIZE.arguments_of
-    def optimize(self, *, progress=None, **settings):
+    def optimize(self, *, progress: Progress | None = None, **settings: Any) -> Optimized:
         """A better camera, as `plenoflame optimize`. Returns Optimized; this scene stays as it is.
 
             better = scene.optimize(merit="volume", height=0.06, depths=(0.99, 1.01), vary=("focal", "spacing")).scene
@@ -419,7 +438,6 @@ class Scene(_home.Shown):
         {settings}
 
         Lengths are in metres, or texts with units.
-        progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
         Raises Error.
         """
@@ -430,7 +448,7 @@ class Scene(_home.Shown):
         return Optimized(better, json.loads(run.figures))
 
     @OPERATOR.arguments_of
-    def operator(self, *, threads=0, progress=None, **settings):
+    def operator(self, *, threads: int = 0, progress: Progress | None = None, **settings: Any) -> Operator:
         """The matrix from a flame's samples to the pixels' fluxes, as `plenoflame operator` writes it (docs/reconstruct.md):
         a scipy.sparse.linalg.LinearOperator that follows rays, and with .matrix a csr_matrix. Needs SciPy.
 
@@ -440,8 +458,6 @@ class Scene(_home.Shown):
         {settings}
 
         Lengths are in metres, or texts with units. Without absorption samples are those of emission, else of the source function.
-        threads: 0: one per processor
-        progress: True for a bar, or a function that is called with the fraction done; a true result stops it
 
         Of a scene with several cameras: all of them, one after the other, unless one is chosen. Returns Operator. Raises
         Error.
@@ -452,7 +468,7 @@ class Scene(_home.Shown):
             raise Error(f"operator() needs SciPy (Debian's python3-scipy, or pip install scipy): {error}") from None
         return make_operator(self, OPERATOR, settings, threads, progress)
 
-    def camera(self, **settings):
+    def camera(self, **settings: Any) -> Any:
         """The camera's geometry as a vtkMultiBlockDataSet: vtkPlenoflameCameraSource, with its properties set by name,
         e.g. LevelOfDetail=2, Window=(100, 100, 64, 64)."""
         source = need_vtk("Scene.camera()").vtkPlenoflameCameraSource()
@@ -468,7 +484,7 @@ class Scene(_home.Shown):
             source.Update()
         return source.GetOutput()
 
-    def flame(self, resolution=128):
+    def flame(self, resolution: int = 128) -> Flame:
         """The flames sampled on a lattice: a Flame with "temperature" [K] and "absorption" [1/m]."""
         resolution = _check.whole("resolution", resolution, 2, 1024)
         return Flame(update(made(_core.FlameSource, scene=self._scene, resolution=resolution)).output)

@@ -11,7 +11,6 @@
 
 #include "made_image.h"
 #include "pipeline_run.h"
-#include "plenoflame/base/error.h"
 #include "plenoflame/volumes/flame_file.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "voxel_image.h"
@@ -64,27 +63,10 @@ bool vtkPlenoflameFlameReader::Make(vtkImageData& image) {
       fields = read_flame_grids(path, execution);
     else
       fields.push_back(read_voxel_field(path, this->GridName));
-    const AffineTransform& transform = fields.front().index_to_world;
-    const auto same = [&](const VoxelField& field) {
-      return field.index_to_world.linear == transform.linear &&
-             field.index_to_world.translation == transform.translation;
-    };
-    IndexBox box;
-    for (const VoxelField& field : fields)
-      if (same(field)) box.add(stored_box(field));
-    if (box.empty()) throw InputError("'" + path + "': every voxel has the background's value");
-    pipeline::place_image(transform, box, this->LocalFrame, image);
-    pipeline::local_to_world(transform, box, *this->LocalToWorld);
-    for (const VoxelField& field : fields) {
-      if (same(field)) {
-        pipeline::add_array(voxel_values(field, box), image);
-      } else {
-        execution.warn("'" + path + "': " + field.name +
-                       " has a lattice of its own and was "
-                       "interpolated; read it alone with SetGridName() to keep it");
-        pipeline::add_array(interpolated_values(field, transform, box), image);
-      }
-    }
+    const LatticeFields found = on_one_lattice(fields, path, "SetGridName()", execution);
+    pipeline::place_image(found.transform, found.box, this->LocalFrame, image);
+    pipeline::local_to_world(found.transform, found.box, *this->LocalToWorld);
+    for (const VoxelArray& array : found.arrays) pipeline::add_array(array, image);
     image.GetPointData()->SetActiveScalars(fields.front().name.c_str());
   });
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "board_calibration.h"
+#include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
 #include "commands/reconstruct/setting_options.h"
@@ -55,12 +56,8 @@ PngImage corner_picture(const Image& light, const BoardCorners& found) {
 }
 
 int run_corners_of_boards(BoardArguments& a, const Execution& execution) {
-  check_ending("-o", a.output, {".csv"});
   check_writable(a.output);
-  if (!a.picture.empty()) {
-    check_ending("--picture", a.picture, {".png"});
-    check_writable(a.picture);
-  }
+  if (!a.picture.empty()) check_writable(a.picture);
   a.request.files = a.files;
   const BoardCalibration found =
       calibrate_corners(a.request, read_camera_scene(a.camera, a.set, a.which), execution);
@@ -90,13 +87,12 @@ void add_calibrate_corners(CLI::App& calibrate, const Registry& registry) {
                   "Raw pictures of one board, each in a pose of its own, counted from 0")
       ->required();
   add_camera_options(command, *a, "The camera, as found by calibrate white");
-  command.add_option("-o,--output", a->output, "Table for calibrate geometry (.csv)")
-      ->check(written())
-      ->required()
-      ->option_text("FILE.csv");
-  command.add_option("--picture", a->picture, "The first board with what was found in it (.png)")
-      ->check(written())
-      ->option_text("FILE");
+  add_option(command, "-o,--output", a->output, "FILE.csv", "Table for calibrate geometry (.csv)")
+      ->check(written({".csv"}))
+      ->required();
+  add_option(command, "--picture", a->picture, "FILE",
+             "The first board with what was found in it (.png)")
+      ->check(written({".png"}));
   add_settings<BoardRequest>(command, a->request);
   finish_calibration(
       command, registry, a, CalibrationInput::pictures,

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 
+#include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
 #include "commands/reconstruct/setting_options.h"
@@ -56,7 +57,6 @@ std::vector<Plot> residual_plots(const GeometryCalibration& found,
 }
 
 int run_geometry(const GeometryArguments& arguments, const Execution& execution) {
-  check_ending("-o", arguments.output, {".toml"});
   const SceneDocument start = read_camera_scene(arguments.camera, arguments.set, arguments.which);
   const FoundGeometry found = calibrate_geometry(arguments.request, start, execution);
   Scene scene = start.scene;
@@ -95,20 +95,18 @@ void add_calibrate_geometry(CLI::App& calibrate, const Registry& registry) {
                   "board [m], pixel (0, 0) at the picture's corner, q, r the microlens")
       ->required();
   add_camera_options(command, *a, "The camera to start with: nominal values will do");
-  command.add_option("-o,--output", a->output, "The scene file with the camera that was found")
-      ->check(written())
-      ->required()
-      ->option_text("FILE.toml");
+  add_option(command, "-o,--output", a->output, "FILE.toml",
+             "The scene file with the camera that was found")
+      ->check(written({".toml"}))
+      ->required();
   add_settings<GeometryRequest>(command, a->request);
-  command.add_option("--residuals", a->residuals, "Table of what the fit leaves of each corner")
-      ->check(written())
-      ->option_text("FILE.csv");
-  command.add_option("--poses", a->poses, "Table of the boards' places")
-      ->check(written())
-      ->option_text("FILE.csv");
-  command.add_option("--plot", a->plot, "Picture of what the fit leaves")
-      ->check(written())
-      ->option_text("FILE.svg|png");
+  add_option(command, "--residuals", a->residuals, "FILE.csv",
+             "Table of what the fit leaves of each corner")
+      ->check(written());
+  add_option(command, "--poses", a->poses, "FILE.csv", "Table of the boards' places")
+      ->check(written());
+  add_option(command, "--plot", a->plot, "FILE.svg|png", "Picture of what the fit leaves")
+      ->check(written());
   finish_calibration(command, registry, a, CalibrationInput::tables,
                      [a](const Execution& execution) { return run_geometry(*a, execution); });
 }

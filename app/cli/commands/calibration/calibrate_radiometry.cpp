@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
 #include "commands/reconstruct/setting_options.h"
@@ -21,7 +22,6 @@ struct RadiometryArguments : CalibrationArguments {
 };
 
 int run_radiometry(RadiometryArguments& arguments, const Execution& execution) {
-  check_ending("-o", arguments.output, {".toml"});
   check_writable(arguments.output);
   arguments.request.files = arguments.files;
   const SceneDocument camera =
@@ -52,10 +52,9 @@ void add_calibrate_radiometry(CLI::App& calibrate, const Registry& registry) {
                   "a blackbody; files of the same label are averaged")
       ->required();
   add_camera_options(command, *a, "Scene file with the camera and its channels");
-  command.add_option("-o,--output", a->output, "For import --radiometry")
-      ->check(written())
-      ->required()
-      ->option_text("FILE.toml");
+  add_option(command, "-o,--output", a->output, "FILE.toml", "For import --radiometry")
+      ->check(written({".toml"}))
+      ->required();
   add_settings<RadiometryRequest>(command, a->request);
   finish_calibration(command, registry, a, CalibrationInput::pictures,
                      [a](const Execution& execution) { return run_radiometry(*a, execution); });

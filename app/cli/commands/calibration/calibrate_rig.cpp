@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <memory>
 
+#include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
@@ -25,7 +26,6 @@ struct RigArguments {
 };
 
 int run_rig(RigArguments& arguments) {
-  check_ending("-o", arguments.output, {".toml"});
   for (const std::string& text : arguments.cameras) {
     const std::size_t sign = text.find('=');
     if (sign == std::string::npos || sign == 0 || sign + 1 == text.size())
@@ -60,11 +60,10 @@ void add_calibrate_rig(CLI::App& calibrate, const Registry& registry) {
                   "CAMERA.toml=POSES.csv of calibrate geometry; a pose's number stands for one "
                   "place of the board, and the first camera stays")
       ->required();
-  command
-      .add_option("-o,--output", a->output, "Scene file with all cameras, in the first one's world")
-      ->check(written())
-      ->required()
-      ->option_text("FILE.toml");
+  add_option(command, "-o,--output", a->output, "FILE.toml",
+             "Scene file with all cameras, in the first one's world")
+      ->check(written({".toml"}))
+      ->required();
   add_settings<RigRequest>(command, a->request);
   command.add_flag("--json", a->json, "Print the figures as JSON");
   on_chosen(command, registry, [a] { return run_rig(*a); });

@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 
+#include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
 #include "commands/calibration/white_picture.h"
@@ -27,15 +28,12 @@ struct WhiteArguments : CalibrationArguments {
 };
 
 void check_outputs_of(const WhiteArguments& a) {
-  if (!a.output.empty()) check_ending("-o", a.output, {".toml"});
   if (!a.output.empty() && a.camera.empty() && a.request.pixel_pitch.empty())
     throw UsageError(
         "-o: the array's lengths take the size of a pixel: give "
         "--camera or --pixel-pitch");
   if (a.output.empty() && a.centres.empty() && a.radii.empty() && a.picture.empty() && !a.json)
     warn("nothing is written: -o, --centres, --radii and --picture name files");
-  if (!a.picture.empty() && !a.picture.ends_with(".png"))
-    throw UsageError("--picture: '" + a.picture + "' must end in .png");
   for (const std::string* file : {&a.output, &a.centres, &a.radii, &a.picture})
     if (!file->empty()) check_writable(*file);
 }
@@ -93,25 +91,17 @@ void add_calibrate_white(CLI::App& calibrate, const Registry& registry) {
                   "at 0.5, 0.5")
       ->required();
   add_camera_options(command, *a, "Scene file with what is known of the camera", false);
-  command
-      .add_option("-o,--output", a->output,
-                  "Scene file with the array; without --camera its keys alone")
-      ->check(written())
-      ->option_text("FILE.toml");
-  command.add_option("--centres", a->centres, "Table of all micro-images (.csv)")
-      ->check(written())
-      ->option_text("FILE");
-  command
-      .add_option("--radii", a->radii,
-                  "Table of the micro-images' radii at each f-number (.csv), "
-                  "for calibrate geometry")
-      ->check(written())
-      ->option_text("FILE");
-  command
-      .add_option("--picture", a->picture,
-                  "Parts of the white picture with what was found in it (.png)")
-      ->check(written())
-      ->option_text("FILE");
+  add_option(command, "-o,--output", a->output, "FILE.toml",
+             "Scene file with the array; without --camera its keys alone")
+      ->check(written({".toml"}));
+  add_option(command, "--centres", a->centres, "FILE", "Table of all micro-images (.csv)")
+      ->check(written());
+  add_option(command, "--radii", a->radii, "FILE",
+             "Table of the micro-images' radii at each f-number (.csv), for calibrate geometry")
+      ->check(written());
+  add_option(command, "--picture", a->picture, "FILE",
+             "Parts of the white picture with what was found in it (.png)")
+      ->check(written({".png"}));
   add_settings<WhiteRequest>(command, a->request);
   finish_calibration(command, registry, a, CalibrationInput::pictures,
                      [a](const Execution& execution) { return run_white(*a, execution); });

@@ -1,4 +1,5 @@
 #include "commands/calibration/calibration_options.h"
+#include "commands/add_option.h"
 
 #include <CLI/CLI.hpp>
 #include <utility>
@@ -11,22 +12,16 @@ namespace plenoflame::cli {
 
 void add_camera_options(CLI::App& command, CalibrationArguments& arguments, const std::string& text,
                         bool required) {
-  command.add_option("--camera", arguments.camera, text)
-      ->required(required)
-      ->option_text("CAMERA.toml");
-  command
-      .add_option("--which", arguments.which, "Which of the file's cameras, where it has several")
-      ->option_text("NAME");
+  add_option(command, "--camera", arguments.camera, "CAMERA.toml", text)->required(required);
+  add_option(command, "--which", arguments.which, "NAME",
+             "Which of the file's cameras, where it has several");
 }
 
 void add_shared_options(CLI::App& command, CalibrationArguments& arguments,
                         CalibrationInput input) {
   if (input == CalibrationInput::pictures) add_settings<RawFileOptions>(command, arguments.files);
   add_set_option(command, arguments.set);
-  if (input == CalibrationInput::pictures)
-    command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
-        ->check(CLI::Range(0, 1024))
-        ->option_text("N");
+  if (input == CalibrationInput::pictures) add_threads_option(command, arguments.threads);
   command.add_flag("--json", arguments.json, "Print the figures as JSON");
 }
 

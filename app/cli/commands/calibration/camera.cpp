@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "options.h"
 #include "outputs.h"
@@ -47,7 +48,6 @@ void add_camera_rows(Report& report, const CameraSpec& spec) {
 }
 
 int run_camera_import(const CameraImportArguments& arguments) {
-  check_ending("-o", arguments.output, {".toml"});
   SceneSettings settings;
   settings.values = arguments.set;
   settings.option = "--set";
@@ -76,29 +76,22 @@ void register_camera(const Registry& registry) {
   auto arguments = std::make_shared<CameraImportArguments>();
   CLI::App& import = *command.add_subcommand(
       "import", "Make the camera of a scene from calibration files of another tool");
-  import
-      .add_option("FILE", arguments->files,
-                  "Calibration files; what the first does not say, a later one may")
-      ->required()
-      ->option_text("FILE...");
-  import.add_option("-o,--output", arguments->output, "The scene file to write (.toml)")
-      ->check(written())
-      ->required()
-      ->option_text("FILE");
+  add_option(import, "FILE", arguments->files, "FILE...",
+             "Calibration files; what the first does not say, a later one may")
+      ->required();
+  add_option(import, "-o,--output", arguments->output, "FILE", "The scene file to write (.toml)")
+      ->check(written({".toml"}))
+      ->required();
   std::vector<std::string> names;
   std::string about = "Of which tool; without it the content says so:";
   for (const CameraFormatName& format : camera_formats()) {
     about += std::string(names.empty() ? " " : "; ") + format.name + " (" + format.what + ")";
     names.emplace_back(format.name);
   }
-  import.add_option("--format", arguments->format, about)
-      ->check(one_of(names))
-      ->option_text("NAME");
-  import
-      .add_option("--set", arguments->set,
-                  "A value of the scene, such as camera.sensor.pixel_pitch=5.5um or "
-                  "camera.array.types[0].focal_length=0.5mm; repeatable")
-      ->option_text("KEY=VALUE")
+  add_option(import, "--format", arguments->format, "NAME", about)->check(one_of(names));
+  add_option(import, "--set", arguments->set, "KEY=VALUE",
+             "A value of the scene, such as camera.sensor.pixel_pitch=5.5um or "
+             "camera.array.types[0].focal_length=0.5mm; repeatable")
       ->allow_extra_args(false);
   import.add_flag("--json", arguments->json, "Print the report as JSON");
   on_chosen(command, registry, [arguments] { return run_camera_import(*arguments); });

@@ -4,6 +4,7 @@
 #include <set>
 #include <tuple>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/scene_input.h"
 #include "medium_loader.h"
@@ -30,8 +31,6 @@ struct CornersArguments {
 int run_corners(const CornersArguments& settings, const std::stop_token& stop) {
   const int rays =
       settings.rays.empty() ? kCornerRays : whole_number_option("--rays", settings.rays, 1);
-  if (!settings.output.ends_with(".csv"))
-    throw UsageError("-o: '" + settings.output + "' must end in .csv");
   check_writable(settings.output);
   SceneDocument document = read_camera_scene(settings.scene, settings.set, settings.camera);
   document.scene.flames.clear();  // where a corner is does not depend on what burns
@@ -68,16 +67,12 @@ void register_corners(const Registry& registry) {
   command.add_option("SCENE", settings->scene, "Scene file (.toml)")->required();
   add_set_option(command, settings->set);
   add_camera_option(command, settings->camera);
-  command
-      .add_option("-o,--output", settings->output,
-                  "File to write (.csv): a line for each point and microlens that shows it")
-      ->check(written())
-      ->required()
-      ->option_text("FILE");
-  command
-      .add_option("--rays", settings->rays,
-                  "Rays over the aperture, for each point (default: 4096)")
-      ->option_text("N");
+  add_option(command, "-o,--output", settings->output, "FILE",
+             "File to write (.csv): a line for each point and microlens that shows it")
+      ->check(written({".csv"}))
+      ->required();
+  add_option(command, "--rays", settings->rays, "N",
+             "Rays over the aperture, for each point (default: 4096)");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_corners(*settings, stop); });

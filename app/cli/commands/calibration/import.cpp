@@ -4,11 +4,13 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "commands/add_option.h"
 #include "commands/calibration/calibration_options.h"
 #include "commands/commands.h"
 #include "commands/moment_options.h"
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
+#include "commands/settings_file.h"
 #include "file_set.h"
 #include "messages.h"
 #include "options.h"
@@ -53,7 +55,6 @@ int import_series(ImportArguments& arguments, const SceneDocument& camera, doubl
 }
 
 int run_import(ImportArguments& arguments) {
-  check_ending("-o", arguments.output, {".exr"});
   check_writable(arguments.output);
   arguments.pictures.files = arguments.files;
   static_cast<void>(arguments.files.layout());  // bad use is found before bad files
@@ -86,24 +87,18 @@ void register_import(const Registry& registry) {
                   "flame.exr\n"
                   "plenoflame import 650nm=a.png 700nm=b.png --camera camera.toml --unit W "
                   "-o flame.exr");
-  command
-      .add_option(
-          "RAW", a->pictures.raw,
-          "Frames of one scene, which are averaged, or their folder: .tif, .png, .pgm, .jpg, "
-          "numbers without header (--size), arrays in .h5 or .mat (FILE:ARRAY; "
-          "three grey frames are HxWx1x3), Lytro's .lfp, "
-          ".lfr and .raw (not tried on a real file). NAME=FILE: a frame of that channel")
-      ->required();
+  add_inputs(command, registry.action.file, "RAW", a->pictures.raw,
+             "Frames of one scene, which are averaged, or their folder: .tif, .png, .pgm, .jpg, "
+             "numbers without header (--size), arrays in .h5 or .mat (FILE:ARRAY; "
+             "three grey frames are HxWx1x3), Lytro's .lfp, "
+             ".lfr and .raw (not tried on a real file). NAME=FILE: a frame of that channel",
+             &a->files.names);
   add_camera_options(command, *a, "Scene file with the camera and its channels");
-  command.add_option("-o,--output", a->output, "Light field")
-      ->check(written())
-      ->required()
-      ->option_text("FIELD.exr");
-  command
-      .add_option(
-          "--interval", a->interval,
-          "Time between files that are moments: FIELD.0000.exr and so on, one for each file")
-      ->option_text("TIME");
+  add_option(command, "-o,--output", a->output, "FIELD.exr", "Light field")
+      ->check(written({".exr"}))
+      ->required();
+  add_option(command, "--interval", a->interval, "TIME",
+             "Time between files that are moments: FIELD.0000.exr and so on, one for each file");
   add_settings<RawPicturesRequest>(command, a->pictures);
   add_shared_options(command, *a, CalibrationInput::pictures);
   on_chosen(command, registry, [a] { return run_import(*a); });

@@ -8,6 +8,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/light_field/compare_lenses.h"
 #include "messages.h"
@@ -163,25 +164,19 @@ void register_compare(const Registry& registry) {
           "REFERENCE", settings->reference,
           "Light field (.exr) to compare with; pixels above 1 % of the largest value are lit")
       ->required();
-  command.add_option("--channel", settings->channel, "Channel; without it, the reference's first")
-      ->option_text("NAME");
-  command
-      .add_option("--limit", settings->limit,
-                  "Fail (status 1) when the relative RMSE over lit pixels exceeds this, e.g. 1%")
-      ->option_text("SHARE");
+  add_option(command, "--channel", settings->channel, "NAME",
+             "Channel; without it, the reference's first");
+  add_option(command, "--limit", settings->limit, "SHARE",
+             "Fail (status 1) when the relative RMSE over lit pixels exceeds this, e.g. 1%");
   command.add_flag("--by-lens", settings->lenses.wanted,
                    "Subpixel shift and gain of A, overall and for each micro-image");
-  command
-      .add_option("--lenses", settings->lenses.csv,
-                  "Like --by-lens, with a table of all micro-images: gain, shift and residual")
-      ->check(written())
-      ->option_text("FILE.csv");
-  command
-      .add_option("--map", settings->lenses.map,
-                  "Like --by-lens, with a picture of the residual: red where A is brighter, full "
-                  "colour at a tenth of the brightest light")
-      ->check(written())
-      ->option_text("FILE.png");
+  add_option(command, "--lenses", settings->lenses.csv, "FILE.csv",
+             "Like --by-lens, with a table of all micro-images: gain, shift and residual")
+      ->check(written());
+  add_option(command, "--map", settings->lenses.map, "FILE.png",
+             "Like --by-lens, with a picture of the residual: red where A is brighter, full colour "
+             "at a tenth of the brightest light")
+      ->check(written());
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_compare(*settings); });
 }

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/light_field/develop_colour.h"
 #include "commands/light_field/develop_sensor.h"
@@ -119,63 +120,45 @@ void register_develop(const Registry& registry) {
       "plenoflame develop flame.exr -o flame.png --saturation \"5000 nW\" --bits 14");
   command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
   add_set_option(command, settings->set);
-  command
-      .add_option("-o,--output", settings->output,
-                  "Picture to write; without it, RAW's name with .png")
-      ->check(written())
-      ->option_text("FILE");
-  command
-      .add_option("--saturation", settings->saturation,
-                  "Flux per pixel of the largest digital number, e.g. \"5000 nW\", or auto: 99.9 % "
-                  "of the pixels with light are below; without it, the scene's, else auto")
-      ->option_text("FLUX");
-  command
-      .add_option("--bits", settings->bits,
-                  "Bits of the sensor, 1 to 16; without it, the scene's, else 14")
-      ->check(CLI::Range(1, 16))
-      ->option_text("N");
-  command
-      .add_option("--curve", settings->curve,
-                  "linear: digital numbers in the upper bits; display: transfer function of sRGB; "
-                  "without it, the scene's, else display")
-      ->check(one_of({"linear", "display"}))
-      ->option_text("CURVE");
-  command.add_option("--channel", settings->channel, "Channel to develop; without it, the first")
-      ->option_text("NAME");
+  add_option(command, "-o,--output", settings->output, "FILE",
+             "Picture to write; without it, RAW's name with .png")
+      ->check(written());
+  add_option(command, "--saturation", settings->saturation, "FLUX",
+             "Flux per pixel of the largest digital number, e.g. \"5000 nW\", or auto: 99.9 % of "
+             "the pixels with light are below; without it, the scene's, else auto");
+  add_option(command, "--bits", settings->bits, "N",
+             "Bits of the sensor, 1 to 16; without it, the scene's, else 14")
+      ->check(CLI::Range(1, 16));
+  add_option(command, "--curve", settings->curve, "CURVE",
+             "linear: digital numbers in the upper bits; display: transfer function of sRGB; "
+             "without it, the scene's, else display")
+      ->check(one_of({"linear", "display"}));
+  add_option(command, "--channel", settings->channel, "NAME",
+             "Channel to develop; without it, the first");
   command.add_flag("--colour", settings->colour,
                    "Colour picture (8 bits, sRGB) from channels with responses cie_x, cie_y, "
                    "cie_z, else from the first three as red, green, blue");
   command.add_flag("--sensor", settings->sensor.sensor,
                    "Frames of camera.sensor: .png and .tif hold digital numbers, .exr electrons of "
                    "all channels");
-  command
-      .add_option("--exposure", settings->sensor.exposures,
-                  "Exposure time, or several for a series: \"1 ms,4 ms\"; auto: 99.9 % of the "
-                  "pixels with light below the full well")
+  add_option(command, "--exposure", settings->sensor.exposures, "TIME",
+             "Exposure time, or several for a series: \"1 ms,4 ms\"; auto: 99.9 % of the pixels "
+             "with light below the full well")
+      ->delimiter(',');
+  add_option(command, "--channel-exposure", settings->sensor.each, "NAME=TIME",
+             "Exposure of each channel: \"650nm=4 ms,850nm=auto\"; auto: all of them automatic")
+      ->delimiter(',');
+  add_option(command, "--noise", settings->sensor.noise, "LIST",
+             "Noise to simulate, from shot, read, dark, defects; or none")
       ->delimiter(',')
-      ->option_text("TIME");
-  command
-      .add_option(
-          "--channel-exposure", settings->sensor.each,
-          "Exposure of each channel: \"650nm=4 ms,850nm=auto\"; auto: all of them automatic")
-      ->delimiter(',')
-      ->option_text("NAME=TIME");
-  command
-      .add_option("--noise", settings->sensor.noise,
-                  "Noise to simulate, from shot, read, dark, defects; or none")
-      ->delimiter(',')
-      ->check(one_of({"shot", "read", "dark", "defects", "none"}))
-      ->option_text("LIST");
-  command.add_option("--noise-seed", settings->sensor.noise_seed, "Seed of noise and defects")
-      ->option_text("N");
-  command.add_option("--frames", settings->sensor.frames, "Frames, each with its own noise (1)")
-      ->check(CLI::Range(1, 10000))
-      ->option_text("N");
+      ->check(one_of({"shot", "read", "dark", "defects", "none"}));
+  add_option(command, "--noise-seed", settings->sensor.noise_seed, "N",
+             "Seed of noise and defects");
+  add_option(command, "--frames", settings->sensor.frames, "N",
+             "Frames, each with its own noise (1)")
+      ->check(CLI::Range(1, 10000));
   command.add_flag("--dark", settings->sensor.dark, "Record dark frames, without light");
-  command
-      .add_option("--threads", settings->sensor.threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
+  add_threads_option(command, settings->sensor.threads);
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_develop(*settings); });
 }

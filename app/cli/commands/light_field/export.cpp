@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/render/light_field_output.h"
 #include "commands/scene_input.h"
@@ -113,30 +114,19 @@ void register_export(const Registry& registry) {
     about +=
         std::string(names.size() > 1 ? ";" : "") + " " + format.name + " (" + format.what + ")";
   }
-  command.add_option("--format", settings->format, about)
+  add_option(command, "--format", settings->format, "NAME", about)
       ->required()
-      ->check(one_of(names))
-      ->option_text("NAME");
-  command.add_option("--name", settings->name, "Stem of the file names (that of RAW)")
-      ->option_text("STEM");
-  command
-      .add_option(
-          "--grid", settings->grid,
-          "Views along each side, 1 to 99; without it, as the tool expects (hci 9, eslf 14)")
-      ->check(CLI::Range(1, 99))
-      ->option_text("N");
-  command
-      .add_option(
-          "--channels", settings->channels,
-          "Red, green and blue; without it, the scene's colour channels; grey with --channel")
-      ->delimiter(',')
-      ->option_text("R,G,B");
+      ->check(one_of(names));
+  add_option(command, "--name", settings->name, "STEM", "Stem of the file names (that of RAW)");
+  add_option(command, "--grid", settings->grid, "N",
+             "Views along each side, 1 to 99; without it, as the tool expects (hci 9, eslf 14)")
+      ->check(CLI::Range(1, 99));
+  add_option(command, "--channels", settings->channels, "R,G,B",
+             "Red, green and blue; without it, the scene's colour channels; grey with --channel")
+      ->delimiter(',');
   add_view_options(command, settings->views);
-  command
-      .add_option(
-          "--saturation", settings->saturation,
-          "Flux per pixel that is white; without it, 99.9 % of the pixels with light are below")
-      ->option_text("FLUX");
+  add_option(command, "--saturation", settings->saturation, "FLUX",
+             "Flux per pixel that is white; without it, 99.9 % of the pixels with light are below");
   add_raw_options(command, settings->raw);
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_export(*settings, stop); });

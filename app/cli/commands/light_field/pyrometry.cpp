@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/light_field/pyrometry_compare.h"
 #include "commands/light_field/temperature_picture.h"
@@ -120,9 +121,6 @@ void add_found(const PyrometryArguments& settings, const LightField& field,
 void check_files(const PyrometryArguments& settings) {
   for (const std::string& path : {settings.output, settings.picture, settings.truth})
     if (!path.empty()) check_writable(path);
-  if (!settings.output.empty()) check_ending("--output", settings.output, {".exr"});
-  if (!settings.picture.empty()) check_ending("--picture", settings.picture, {".png"});
-  if (!settings.truth.empty()) check_ending("--truth-picture", settings.truth, {".png"});
   if (settings.filters.empty()) return;
   for (const char* option : {settings.truth.empty() ? "" : "--truth-picture",
                              settings.reference.empty() ? "" : "--reference"})
@@ -184,69 +182,45 @@ void register_pyrometry(const Registry& registry) {
                   "Light field (.exr) written by render, or its electrons by develop")
       ->required();
   add_set_option(command, settings->set);
-  command
-      .add_option("-o,--output", settings->output,
-                  "Temperature [K] and its standard error, per pixel")
-      ->check(written())
-      ->option_text("FILE.exr");
-  command
-      .add_option("--picture", settings->picture, "Temperature in false colours, with a colour bar")
-      ->check(written())
-      ->option_text("FILE.png");
-  command
-      .add_option("--truth-picture", settings->truth,
-                  "The layer truth.temperature (render --truth) in the same colours")
-      ->check(written())
-      ->option_text("FILE.png");
-  command
-      .add_option(
-          "--reference", settings->reference,
-          "Light field of the same pixels with less noise or none, to compare temperatures with")
-      ->option_text("FILE.exr");
-  command
-      .add_option("--range", settings->range,
-                  "Temperatures of the darkest and brightest colour, \"1400 K,2000 K\"; without "
-                  "it, lowest and highest")
-      ->option_text("T,T");
-  command
-      .add_option("--channels", settings->channels, "The two channels; without it, the first two")
-      ->delimiter(',')
-      ->option_text("A,B");
-  command
-      .add_option("--filters", settings->filters,
-                  "Two camera.pupil_filters, by name, in place of two channels")
-      ->delimiter(',')
-      ->option_text("A,B");
-  command
-      .add_option("--law", settings->law,
-                  "Absorption against wavelength: grey, soot (1/wavelength) or power; without it, "
-                  "that of the scene's flames")
-      ->check(one_of({"grey", "soot", "power"}))
-      ->option_text("LAW");
-  command
-      .add_option("--exponent", settings->exponent,
-                  "With --law power: absorption is proportional to wavelength^-N (1)")
-      ->check(number_between(-20.0, 20.0))
-      ->option_text("N");
-  command
-      .add_option("--threshold", settings->threshold,
-                  "Least share of the largest value that gives a temperature (0.01)")
-      ->check(number_between(0.0, 1.0))
-      ->option_text("SHARE");
-  command
-      .add_option("--least-signal", settings->least_signal,
-                  "Least light that gives a temperature, in its standard errors (2)")
-      ->check(number_between(0.0, 1e6))
-      ->option_text("N");
-  command
-      .add_option("--bin", settings->bin,
-                  "Pixels that are added before the ratio, as in reconstruct")
-      ->option_text("N|micro-image|view");
-  command
-      .add_option("--cells", settings->cells,
-                  "Of --bin view: parts of a micro-image along each side (3)")
-      ->check(CLI::Range(1, 100))
-      ->option_text("N");
+  add_option(command, "-o,--output", settings->output, "FILE.exr",
+             "Temperature [K] and its standard error, per pixel")
+      ->check(written({".exr"}));
+  add_option(command, "--picture", settings->picture, "FILE.png",
+             "Temperature in false colours, with a colour bar")
+      ->check(written({".png"}));
+  add_option(command, "--truth-picture", settings->truth, "FILE.png",
+             "The layer truth.temperature (render --truth) in the same colours")
+      ->check(written({".png"}));
+  add_option(
+      command, "--reference", settings->reference, "FILE.exr",
+      "Light field of the same pixels with less noise or none, to compare temperatures with");
+  add_option(command, "--range", settings->range, "T,T",
+             "Temperatures of the darkest and brightest colour, \"1400 K,2000 K\"; without it, "
+             "lowest and highest");
+  add_option(command, "--channels", settings->channels, "A,B",
+             "The two channels; without it, the first two")
+      ->delimiter(',');
+  add_option(command, "--filters", settings->filters, "A,B",
+             "Two camera.pupil_filters, by name, in place of two channels")
+      ->delimiter(',');
+  add_option(command, "--law", settings->law, "LAW",
+             "Absorption against wavelength: grey, soot (1/wavelength) or power; without it, that "
+             "of the scene's flames")
+      ->check(one_of({"grey", "soot", "power"}));
+  add_option(command, "--exponent", settings->exponent, "N",
+             "With --law power: absorption is proportional to wavelength^-N (1)")
+      ->check(number_between(-20.0, 20.0));
+  add_option(command, "--threshold", settings->threshold, "SHARE",
+             "Least share of the largest value that gives a temperature (0.01)")
+      ->check(number_between(0.0, 1.0));
+  add_option(command, "--least-signal", settings->least_signal, "N",
+             "Least light that gives a temperature, in its standard errors (2)")
+      ->check(number_between(0.0, 1e6));
+  add_option(command, "--bin", settings->bin, "N|micro-image|view",
+             "Pixels that are added before the ratio, as in reconstruct");
+  add_option(command, "--cells", settings->cells, "N",
+             "Of --bin view: parts of a micro-image along each side (3)")
+      ->check(CLI::Range(1, 100));
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry, [settings] { return run_pyrometry(*settings); });
 }

@@ -6,6 +6,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/render/light_field_output.h"
 #include "file_set.h"
@@ -142,22 +143,15 @@ void register_refocus(const Registry& registry) {
                                   "Refocus a light field to other distances, after the exposure",
                                   "plenoflame refocus flame.exr -o stack --depths 0.9m:1.1m:11");
   add_raw_input(command, settings->raw, "Folder for the pictures");
-  command
-      .add_option("--depth", settings->depth,
-                  "Distance from the front of the main lens, e.g. \"1 m\"")
-      ->option_text("LENGTH");
-  command
-      .add_option("--depths", settings->depths,
-                  "Several distances: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11")
-      ->option_text("A:B:N");
-  command.add_option("--size", settings->size, "Pixels across; without it, one per microlens")
-      ->check(CLI::Range(1, 20000))
-      ->option_text("N");
-  command
-      .add_option("--aperture", settings->aperture,
-                  "Synthetic aperture over the main lens' diameter, above 0 to 1 (1)")
-      ->check(number_between(1e-3, 1.0))
-      ->option_text("A");
+  add_option(command, "--depth", settings->depth, "LENGTH",
+             "Distance from the front of the main lens, e.g. \"1 m\"");
+  add_option(command, "--depths", settings->depths, "A:B:N",
+             "Several distances: FIRST:LAST:COUNT, e.g. 0.9m:1.1m:11");
+  add_option(command, "--size", settings->size, "N", "Pixels across; without it, one per microlens")
+      ->check(CLI::Range(1, 20000));
+  add_option(command, "--aperture", settings->aperture, "A",
+             "Synthetic aperture over the main lens' diameter, above 0 to 1 (1)")
+      ->check(number_between(1e-3, 1.0));
   command.add_flag("--all-in-focus", settings->all_in_focus,
                    "With --depths: all_in_focus.png, sharp everywhere, and the depth map of an "
                    "opaque scene, depth.exr and depth.png");

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/render/light_field_output.h"
 #include "file_set.h"
@@ -111,23 +112,17 @@ void register_views(const Registry& registry) {
       registry, "views", "Make sub-aperture views: the scene as seen from points of the main lens",
       "plenoflame views flame.exr -o views --grid 5");
   add_raw_input(command, settings->raw, "Folder for contact.png and the views");
-  command.add_option("--grid", settings->grid, "Views along each side, 1 to 99 (7)")
-      ->check(CLI::Range(1, 99))
-      ->option_text("N");
+  add_option(command, "--grid", settings->grid, "N", "Views along each side, 1 to 99 (7)")
+      ->check(CLI::Range(1, 99));
   add_view_options(command, settings->views);
-  command
-      .add_option("--type", settings->type,
-                  "Only microlenses of this type, by name; without it, all")
-      ->option_text("NAME");
-  command
-      .add_option("--epipolar-row", settings->epipolar_row, "Also the epipolar slice of this row")
-      ->check(CLI::Range(0, 100000))
-      ->option_text("ROW");
-  command
-      .add_option("--epipolar-column", settings->epipolar_column,
-                  "Also the epipolar slice of this column")
-      ->check(CLI::Range(0, 100000))
-      ->option_text("COLUMN");
+  add_option(command, "--type", settings->type, "NAME",
+             "Only microlenses of this type, by name; without it, all");
+  add_option(command, "--epipolar-row", settings->epipolar_row, "ROW",
+             "Also the epipolar slice of this row")
+      ->check(CLI::Range(0, 100000));
+  add_option(command, "--epipolar-column", settings->epipolar_column, "COLUMN",
+             "Also the epipolar slice of this column")
+      ->check(CLI::Range(0, 100000));
   command.add_flag("--raw-flux", settings->raw_flux,
                    "Flux per pixel as recorded, in place of radiances with vignetting corrected");
   command.add_flag("--exr", settings->exr, "Write the views as EXR as well");

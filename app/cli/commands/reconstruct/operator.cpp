@@ -64,9 +64,6 @@ std::string operator_work(const OperatorRequest& request,
 }
 
 int run_operator(const OperatorArguments& settings, const std::stop_token& stop) {
-  if (!settings.output.ends_with(".npz") && !settings.output.ends_with(".h5") &&
-      !settings.output.ends_with(".mtx"))
-    throw UsageError("-o: '" + settings.output + "' must end in .npz, .h5 or .mtx");
   for (const std::string& path : {settings.output, settings.pixels, settings.places})
     if (!path.empty()) check_writable(path);
   check_operator(settings);
@@ -132,7 +129,7 @@ void register_operator(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "operator", "The matrix from a flame's samples to the pixels' fluxes",
       "plenoflame operator examples/lenslets-30.toml --grid 16 --pixels rows.csv -o A.npz");
-  add_operator_options(command, *settings);
+  add_operator_options(command, *settings, registry.action.file);
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_operator(*settings, stop); });
 }

@@ -10,6 +10,8 @@ class App;
 
 namespace plenoflame::cli {
 
+struct FileOption;
+
 /// Arguments of the command line of `operator`.
 struct OperatorArguments : OperatorRequest {
   std::string scene, output, pixels, places, part;
@@ -18,6 +20,7 @@ struct OperatorArguments : OperatorRequest {
   bool json = false, quiet = false;
 };
 
-void add_operator_options(CLI::App& command, OperatorArguments& arguments);
+void add_operator_options(CLI::App& command, OperatorArguments& arguments,
+                          std::vector<FileOption>& file);
 
 }  // namespace plenoflame::cli

@@ -145,7 +145,7 @@ void register_reconstruct(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "reconstruct", "The flame back from pictures of it",
       "plenoflame reconstruct front.toml side.toml --images front.exr side.exr -o flame.vdb");
-  add_reconstruct_options(command, *arguments);
+  add_reconstruct_options(command, *arguments, registry.action.file);
   on_chosen(command, registry, [arguments, ranks = registry.ranks](const std::stop_token& stop) {
     return run_reconstruct(*arguments, ranks, stop);
   });

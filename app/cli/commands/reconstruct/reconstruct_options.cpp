@@ -1,4 +1,5 @@
 #include "commands/reconstruct/reconstruct_options.h"
+#include "commands/add_option.h"
 
 #include <fmt/format.h>
 
@@ -6,10 +7,9 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "choice.h"
 #include "commands/reconstruct/setting_options.h"
-#include "commands/reconstruct/settings_file.h"
 #include "commands/scene_input.h"
+#include "commands/settings_file.h"
 #include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
@@ -17,53 +17,35 @@
 
 namespace plenoflame::cli {
 
-void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments) {
+void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments,
+                             std::vector<FileOption>& file) {
   arguments.unknowns.names = kOptionNames;
-  command
-      .add_option_function<std::vector<std::string>>(
-          "SCENES",
-          [&command, &arguments](const std::vector<std::string>& files) {
-            arguments.scenes = scenes_or_settings(command, "SCENES", files, "reconstruction");
-          },
-          "Scene files (.toml), one for each camera, or one with several; or a file with a table "
-          "[reconstruction]")
-      ->required();
+  add_inputs(command, file, "SCENES", arguments.scenes,
+             "Scene files (.toml), one for each camera, or one with several",
+             &arguments.unknowns.names);
   add_set_option(command, arguments.set);
   add_cameras_option(command, arguments.cameras);
-  command
-      .add_option("--images", arguments.images,
-                  "Light fields of render, or electrons of develop, in the order of the cameras; "
-                  "for a series all frames of the first camera, then of the second, ...")
-      ->required()
-      ->option_text("FILE.exr ...");
-  command
-      .add_option("-o,--output", arguments.output,
-                  "Grids of temperature, emission and deviations; of a series FILE-0001.vdb, ...")
-      ->check(written())
-      ->required()
-      ->option_text("FILE.vdb");
+  add_option(command, "--images", arguments.images, "FILE.exr ...",
+             "Light fields of render, or electrons of develop, in the order of the cameras; for a "
+             "series all frames of the first camera, then of the second, ...")
+      ->required();
+  add_option(command, "-o,--output", arguments.output, "FILE.vdb",
+             "Grids of temperature, emission and deviations; of a series FILE-0001.vdb, ...")
+      ->check(written({".vdb"}))
+      ->required();
   add_settings<UnknownsRequest>(command, arguments.unknowns);
   add_settings<ReconstructRequest>(command, arguments);
   command.get_option("--resume")->check(continued());
-  command
-      .add_option("--refined", arguments.refined_scenes, "Scenes with the refined cameras (.toml)")
-      ->check(written())
-      ->option_text("FILE.toml ...");
-  command
-      .add_option("--residual", arguments.residuals,
-                  "Residual of each picture, and the light that the flame explains, as layers")
-      ->check(written())
-      ->option_text("FILE.exr ...");
-  command
-      .add_option(
-          "--report", arguments.reports,
-          "Report with the history: .json, .txt, or .html with pictures and plots; repeatable")
-      ->check(written())
-      ->check(ending_in({".json", ".txt", ".html"}))
-      ->option_text("FILE");
-  command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
+  add_option(command, "--refined", arguments.refined_scenes, "FILE.toml ...",
+             "Scenes with the refined cameras (.toml)")
+      ->check(written({".toml"}));
+  add_option(command, "--residual", arguments.residuals, "FILE.exr ...",
+             "Residual of each picture, and the light that the flame explains, as layers")
+      ->check(written());
+  add_option(command, "--report", arguments.reports, "FILE",
+             "Report with the history: .json, .txt, or .html with pictures and plots; repeatable")
+      ->check(written({".json", ".txt", ".html"}));
+  add_threads_option(command, arguments.threads);
   command.add_flag("--quiet", arguments.quiet, "No progress on the terminal");
   command.add_flag("--json", arguments.json, "Print the figures as JSON");
 }
@@ -91,8 +73,6 @@ void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t 
     throw UsageError("--residual: one file for each picture");
   if (!arguments.residuals.empty() && arguments.channels.size() > 1)
     throw UsageError("--residual is for a single channel; --report FILE.html shows those of all");
-  if (!arguments.output.ends_with(".vdb"))
-    throw UsageError("-o: '" + arguments.output + "' must end in .vdb");
   if (!arguments.refined_scenes.empty() && arguments.refine.empty() && !arguments.refine_axis)
     throw UsageError("--refined writes what --refine corrects: give that, too");
   if (!arguments.refined_scenes.empty() &&
@@ -105,13 +85,7 @@ void check_reconstruct_files(const ReconstructArguments& arguments, std::size_t 
       twice != scenes.end() && !arguments.refined_scenes.empty())
     throw UsageError("--refined: " + *twice + " is given twice");
   std::vector<std::string> outputs = arguments.residuals;
-  for (const std::string& scene : arguments.refined_scenes) {
-    if (!scene.ends_with(".toml")) throw UsageError("--refined: '" + scene + "' must end in .toml");
-    outputs.push_back(scene);
-  }
-  for (const std::string& report : arguments.reports)
-    if (!report.ends_with(".json") && !report.ends_with(".txt") && !report.ends_with(".html"))
-      throw UsageError("--report: '" + report + "' must end in .json, .txt or .html");
+  outputs.insert(outputs.end(), arguments.refined_scenes.begin(), arguments.refined_scenes.end());
   for (std::size_t f = 0; f < frames; ++f) {
     outputs.push_back(frame_name(arguments.output, f, frames));
     for (const std::string& report : arguments.reports)

@@ -11,6 +11,8 @@ class App;
 
 namespace plenoflame::cli {
 
+struct FileOption;
+
 /// Arguments of the command line of a reconstruction.
 struct ReconstructArguments : ReconstructRequest {
   std::vector<std::string> scenes, set, cameras, images, residuals, reports, refined_scenes;
@@ -19,7 +21,8 @@ struct ReconstructArguments : ReconstructRequest {
   bool json = false, quiet = false;
 };
 
-void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments);
+void add_reconstruct_options(CLI::App& command, ReconstructArguments& arguments,
+                             std::vector<FileOption>& file);
 
 /// Refuses files that do not fit each other, and outputs that cannot be written or are inputs.
 /// @throws UsageError, FileError

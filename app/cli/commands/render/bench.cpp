@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/moment_options.h"
 #include "commands/render/bench_report.h"
@@ -240,40 +241,26 @@ void register_bench(const Registry& registry) {
   add_set_option(command, a.set);
   add_camera_option(command, a.camera);
   add_moment_options(command, a.moment);
-  command
-      .add_option("-o,--output", a.output,
-                  "Write NAME.json, NAME.csv, and the plot as NAME.svg and NAME.png")
-      ->check(written())
-      ->option_text("NAME");
-  command
-      .add_option("--window", a.window, "Measure only W x H pixels from column X, row Y: X,Y,W,H")
-      ->option_text("X,Y,W,H");
-  command
-      .add_option("--estimators", a.estimators,
-                  "backward, forward (the paper's method), or both (backward,forward)")
-      ->option_text("LIST");
-  command
-      .add_option("--samples", a.samples, "Backward: rays per pixel and microlens (4,16,64,256)")
-      ->option_text("LIST");
-  command.add_option("--bundles", a.bundles, "Forward: energy bundles in total (1e5,4e5,1.6e6)")
-      ->option_text("LIST");
-  command.add_option("--repeat", a.repeat, "Runs of each measurement, with different seeds (3)")
-      ->check(CLI::Range(1, 1000))
-      ->option_text("N");
-  command.add_option("--threads", a.threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 4096))
-      ->option_text("N");
-  command
-      .add_option(
-          "--reference-samples", a.reference_samples,
-          "Rays per pixel and microlens of the reference (16 times the largest of --samples)")
-      ->option_text("N");
-  command
-      .add_option("--cache", a.cache,
-                  "Folder of the reference (plenoflame in the user's cache folder)")
-      ->option_text("DIR");
-  command.add_option("--compare", a.compare, "Earlier run to compare with (.json)")
-      ->option_text("FILE");
+  add_option(command, "-o,--output", a.output, "NAME",
+             "Write NAME.json, NAME.csv, and the plot as NAME.svg and NAME.png")
+      ->check(written());
+  add_option(command, "--window", a.window, "X,Y,W,H",
+             "Measure only W x H pixels from column X, row Y: X,Y,W,H");
+  add_option(command, "--estimators", a.estimators, "LIST",
+             "backward, forward (the paper's method), or both (backward,forward)");
+  add_option(command, "--samples", a.samples, "LIST",
+             "Backward: rays per pixel and microlens (4,16,64,256)");
+  add_option(command, "--bundles", a.bundles, "LIST",
+             "Forward: energy bundles in total (1e5,4e5,1.6e6)");
+  add_option(command, "--repeat", a.repeat, "N",
+             "Runs of each measurement, with different seeds (3)")
+      ->check(CLI::Range(1, 1000));
+  add_threads_option(command, a.threads);
+  add_option(command, "--reference-samples", a.reference_samples, "N",
+             "Rays per pixel and microlens of the reference (16 times the largest of --samples)");
+  add_option(command, "--cache", a.cache, "DIR",
+             "Folder of the reference (plenoflame in the user's cache folder)");
+  add_option(command, "--compare", a.compare, "FILE", "Earlier run to compare with (.json)");
   command.add_flag("--quiet", a.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", a.json, "Print the figures as JSON");
   on_chosen(command, registry,

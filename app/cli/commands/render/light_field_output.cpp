@@ -1,4 +1,5 @@
 #include "commands/render/light_field_output.h"
+#include "commands/add_option.h"
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
@@ -33,28 +34,20 @@ const std::map<std::string, ViewResampling>& view_resamplings() {
 
 void add_raw_input(CLI::App& command, RawArguments& arguments, const std::string& output_text) {
   command.add_option("RAW", arguments.input, "Light field (.exr) written by render")->required();
-  command.add_option("-o,--output", arguments.output, output_text)
+  add_option(command, "-o,--output", arguments.output, "DIR", output_text)
       ->check(written())
-      ->required()
-      ->option_text("DIR");
+      ->required();
 }
 
 void add_raw_options(CLI::App& command, RawArguments& arguments) {
-  command.add_option("--channel", arguments.channel, "Channel; without it, the first")
-      ->option_text("NAME");
-  command
-      .add_option("--scene", arguments.scene,
-                  "Scene file with the camera, for a light field that contains none")
-      ->option_text("SCENE.toml");
-  command
-      .add_option("--camera", arguments.camera,
-                  "With --scene: name of the camera, if the scene has several")
-      ->option_text("NAME");
+  add_option(command, "--channel", arguments.channel, "NAME", "Channel; without it, the first");
+  add_option(command, "--scene", arguments.scene, "SCENE.toml",
+             "Scene file with the camera, for a light field that contains none");
+  add_option(command, "--camera", arguments.camera, "NAME",
+             "With --scene: name of the camera, if the scene has several");
   add_set_option(command, arguments.set);
   command.add_flag("--force", arguments.force, "Write into a folder that has files in it");
-  command.add_option("--threads", arguments.threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
+  add_threads_option(command, arguments.threads);
   command.add_flag("--json", arguments.json, "Print the figures as JSON");
 }
 
@@ -66,19 +59,15 @@ ViewSettings ViewArguments::settings() const {
 }
 
 void add_view_options(CLI::App& command, ViewArguments& arguments) {
-  command
-      .add_option("--spread", arguments.spread,
-                  "Side of the square that the views cover, in diameters of a micro-image (0.7)")
-      ->check(number_between(0.0, 1.0))
-      ->option_text("S");
+  add_option(command, "--spread", arguments.spread, "S",
+             "Side of the square that the views cover, in diameters of a micro-image (0.7)")
+      ->check(number_between(0.0, 1.0));
   std::vector<std::string> names;
   for (const auto& entry : view_resamplings()) names.push_back(entry.first);
-  command
-      .add_option("--resampling", arguments.resampling,
-                  "Resampling from microlenses to square pixels: barycentric, nearest, paper9 or "
-                  "paper10, for hexagonal arrays (barycentric)")
-      ->check(one_of(names))
-      ->option_text("NAME");
+  add_option(command, "--resampling", arguments.resampling, "NAME",
+             "Resampling from microlenses to square pixels: barycentric, nearest, paper9 or "
+             "paper10, for hexagonal arrays (barycentric)")
+      ->check(one_of(names));
 }
 
 MicroImages RawLightField::micro_images(bool white, const Execution& execution) const {

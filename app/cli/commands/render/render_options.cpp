@@ -1,4 +1,5 @@
 #include "commands/render/render_options.h"
+#include "commands/add_option.h"
 
 #include <CLI/CLI.hpp>
 #include <cmath>
@@ -29,76 +30,51 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
   command.add_option("SCENE", options.scene,
                      "Scene file (.toml); without it, --resume uses the scene of its run");
   add_set_option(command, options.set);
-  command
-      .add_option("-o,--output", options.output,
-                  "Light field (.exr); without it, the file of --resume, or SCENE's name. Several "
-                  "cameras get one file each: OUT-NAME.exr")
+  add_option(command, "-o,--output", options.output, "FILE",
+             "Light field (.exr); without it, the file of --resume, or SCENE's name. Several "
+             "cameras get one file each: OUT-NAME.exr")
       ->check(written())
       ->check([](const std::string& file) {
         return file.empty() ? std::string("the name of the file is empty") : std::string();
-      })
-      ->option_text("FILE");
+      });
   add_cameras_option(command, options.cameras);
-  auto* const frames = command
-                           .add_option("--frames", arguments.frames,
-                                       "Frames A to B, one file each: OUT.0007.exr; with --resume "
-                                       "OUT.exr, finished frames are skipped")
-                           ->option_text("A:B[:STEP]");
-  command
-      .add_option("--time", arguments.time,
-                  "Time from the first frame to the exposure, e.g. 2.5ms; without --time and "
-                  "--frames, the first frame")
-      ->excludes(frames)
-      ->option_text("TIME");
-  command
-      .add_option("--samples", arguments.samples,
-                  "Rays per pixel and microlens (forward: energy bundles, default 1e6); an upper "
-                  "limit with --target-error or --time-limit")
-      ->option_text("N");
-  command
-      .add_option(
-          "--target-error", arguments.target_error,
-          "Stop when the relative RMSE over lit pixels is below this (95 % confidence), e.g. 1%")
-      ->option_text("SHARE");
-  command.add_option("--time-limit", arguments.time_limit, "Stop after this time, e.g. 60s, 5min")
-      ->option_text("TIME");
-  command
-      .add_option("--estimator", arguments.estimator,
-                  "backward: from the sensor (quasi-Monte Carlo); forward: energy bundles from the "
-                  "flame, slow")
-      ->check(one_of({"backward", "forward"}))
-      ->option_text("NAME");
-  command.add_option("--threads", options.threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 4096))
-      ->option_text("N");
-  command.add_option("--seed", arguments.seed, "Seed of the random numbers")->option_text("N");
-  command
-      .add_option("--window", arguments.window,
-                  "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H")
-      ->option_text("X,Y,W,H");
+  auto* const frames = add_option(command, "--frames", arguments.frames, "A:B[:STEP]",
+                                  "Frames A to B, one file each: OUT.0007.exr; with --resume "
+                                  "OUT.exr, finished frames are skipped");
+  add_option(command, "--time", arguments.time, "TIME",
+             "Time from the first frame to the exposure, e.g. 2.5ms; without --time and --frames, "
+             "the first frame")
+      ->excludes(frames);
+  add_option(command, "--samples", arguments.samples, "N",
+             "Rays per pixel and microlens (forward: energy bundles, default 1e6); an upper limit "
+             "with --target-error or --time-limit");
+  add_option(
+      command, "--target-error", arguments.target_error, "SHARE",
+      "Stop when the relative RMSE over lit pixels is below this (95 % confidence), e.g. 1%");
+  add_option(command, "--time-limit", arguments.time_limit, "TIME",
+             "Stop after this time, e.g. 60s, 5min");
+  add_option(
+      command, "--estimator", arguments.estimator, "NAME",
+      "backward: from the sensor (quasi-Monte Carlo); forward: energy bundles from the flame, slow")
+      ->check(one_of({"backward", "forward"}));
+  add_threads_option(command, options.threads);
+  add_option(command, "--seed", arguments.seed, "N", "Seed of the random numbers");
+  add_option(command, "--window", arguments.window, "X,Y,W,H",
+             "Render only W x H pixels of the sensor from column X, row Y: X,Y,W,H");
   add_part_option(command, arguments.part,
                   "Render only part K of N, into OUT-part-K-of-N.exr; 'plenoflame merge' joins "
                   "them to exactly the whole picture");
-  command
-      .add_option("--checkpoint", arguments.checkpoint,
-                  "Save the state of the run to OUT.exr.state at least this often, e.g. 5min (60s)")
-      ->option_text("TIME");
-  command
-      .add_option("--resume", options.resume,
-                  "Continue the stopped run of this light field (.exr), or extend a complete one")
-      ->check(continued())
-      ->option_text("FILE");
-  command
-      .add_option("--stats", options.stats,
-                  "Write times, rays, error and skipped work to this file (.json)")
-      ->check(written())
-      ->option_text("FILE");
-  command
-      .add_option(
-          "--compression", options.compression,
-          "Lossless compression: rle (quick), zip (some percent smaller), piz or none (rle)")
-      ->check(one_of({"none", "rle", "zip", "piz"}))
-      ->option_text("NAME");
+  add_option(command, "--checkpoint", arguments.checkpoint, "TIME",
+             "Save the state of the run to OUT.exr.state at least this often, e.g. 5min (60s)");
+  add_option(command, "--resume", options.resume, "FILE",
+             "Continue the stopped run of this light field (.exr), or extend a complete one")
+      ->check(continued());
+  add_option(command, "--stats", options.stats, "FILE",
+             "Write times, rays, error and skipped work to this file (.json)")
+      ->check(written());
+  add_option(command, "--compression", options.compression, "NAME",
+             "Lossless compression: rle (quick), zip (some percent smaller), piz or none (rle)")
+      ->check(one_of({"none", "rle", "zip", "piz"}));
   command.add_flag("--truth", options.truth,
                    "Add layers of ground truth along each pixel's chief ray: optical depth, "
                    "distances, temperature, solid surface");
@@ -110,10 +86,8 @@ void add_render_options(CLI::App& command, RenderArguments& arguments) {
       "Integrate every ray through a grid, without the table of radiance (for comparison)");
   command.add_flag("--white", options.white,
                    "White image: 1 W/(m^2 sr) from all directions in place of the flames");
-  command
-      .add_option("--f-numbers", arguments.f_numbers,
-                  "With --white: f-numbers such as 4,5.6,8, one file each (OUT-f4.exr)")
-      ->option_text("LIST");
+  add_option(command, "--f-numbers", arguments.f_numbers, "LIST",
+             "With --white: f-numbers such as 4,5.6,8, one file each (OUT-f4.exr)");
   command.add_flag("--quiet", options.quiet, "No progress and no notes; warnings remain");
   command.add_flag("--json", options.json, "Print the figures as JSON");
 }

@@ -1,5 +1,6 @@
 #include "plenoflame/camera/design.h"
 #include "choice.h"
+#include "commands/add_option.h"
 #include "number_range.h"
 
 #include <CLI/CLI.hpp>
@@ -60,17 +61,11 @@ void warn_of(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) warn(warning);
 }
 
-void check_is_toml(const std::string& output) {
-  if (!output.empty() && !output.ends_with(".toml"))
-    throw UsageError("--output: '" + output + "' must end in .toml");
-}
-
 int run_lens(const DesignArguments& settings) {
   if (!settings.array.freedom.empty())
     throw UsageError("--solve: a lens alone has no array; give a scene");
   if (!settings.set.empty())
     throw UsageError("--set: " + settings.scene + " is a lens alone; give a scene");
-  check_is_toml(settings.array.output);
   Report report;
   LensTask task = settings.lens;
   task.file = settings.scene;
@@ -167,7 +162,6 @@ int run_design(const DesignArguments& settings) {
   const ArrayTask& task = settings.array;
   if (!task.output.empty() && task.freedom.empty())
     throw UsageError("--output: there is nothing to write without --solve");
-  check_is_toml(task.output);
   const LensTask& lens = settings.lens;
   for (const auto& [option, given] : {std::pair{"--field", !lens.field.empty()},
                                       {"--distance", !lens.distance.empty()},
@@ -225,35 +219,27 @@ void register_design(const Registry& registry) {
   add_set_option(command, settings->set);
   add_camera_option(command, settings->camera);
   command.add_flag("--json", settings->json, "Print the figures as JSON");
-  command
-      .add_option("--plots", settings->plots,
-                  "Folder for plots: effective resolution, spots, microlenses; of a lens: spots, "
-                  "ray fans, field curvature, distortion, vignetting")
-      ->check(written())
-      ->option_text("DIR");
-  command.add_option("--format", settings->format, "Format of the plots")
-      ->option_text("png|svg")
+  add_option(command, "--plots", settings->plots, "DIR",
+             "Folder for plots: effective resolution, spots, microlenses; of a lens: spots, ray "
+             "fans, field curvature, distortion, vignetting")
+      ->check(written());
+  add_option(command, "--format", settings->format, "png|svg", "Format of the plots")
       ->check(one_of({"png", "svg"}))
       ->capture_default_str();
-  command
-      .add_option("--solve", settings->array.freedom,
-                  "Find more microlens types that continue the depth of field of the first, by "
-                  "this quantity")
-      ->option_text("index|radius|thickness")
+  add_option(
+      command, "--solve", settings->array.freedom, "index|radius|thickness",
+      "Find more microlens types that continue the depth of field of the first, by this quantity")
       ->check(one_of({"index", "radius", "thickness"}));
-  command.add_option("--types", settings->array.types, "With --solve: number of types")
-      ->option_text("N")
+  add_option(command, "--types", settings->array.types, "N", "With --solve: number of types")
       ->check(CLI::Range(1, 3))
       ->capture_default_str();
-  command
-      .add_option("--greatest-index", settings->array.index_limit,
-                  "With --solve: greatest refractive index of a type")
-      ->option_text("INDEX")
+  add_option(command, "--greatest-index", settings->array.index_limit, "INDEX",
+             "With --solve: greatest refractive index of a type")
       ->check(number_between(1.0, 5.0))
       ->capture_default_str();
   const auto text_option = [&](const char* name, std::string& value, const char* shown,
                                const char* meaning) {
-    return command.add_option(name, value, meaning)->option_text(shown);
+    return add_option(command, name, value, shown, meaning);
   };
   text_option("--least-radius", settings->array.least_radius, "LENGTH",
               "With --solve: smallest radius of the faces");
@@ -261,7 +247,7 @@ void register_design(const Registry& registry) {
               "With --solve: greatest thickness of a microlens");
   text_option("-o,--output", settings->array.output, "FILE.toml",
               "Scene with the types of --solve, or the prescription of a lens (.toml)")
-      ->check(written());
+      ->check(written({".toml"}));
   text_option("--field", settings->lens.field, "ANGLE",
               "Of a lens: greatest field angle; without it, where a tenth of the light passes, at "
               "most 45 deg");

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/command.h"
 #include "commands/commands.h"
 #include "commands/scene/flame_import.h"
@@ -153,8 +154,6 @@ int run(FlameArguments& s, const std::stop_token& stop) {
   }
   if (s.output.empty()) throw UsageError("--output is required (see plenoflame flame --help)");
   const FlameValues values = values_of(s, generator);
-  if (!s.output.ends_with(".vdb"))
-    throw UsageError("--output: '" + s.output + "' must end in .vdb");
   Execution execution;
   execution.threads = s.threads;
   execution.stop = stop;
@@ -187,50 +186,36 @@ void register_flame(const Registry& registry) {
   std::vector<std::string> names;
   for (const FlameGenerator& generator : flame_generators()) names.emplace_back(generator.name);
   command.add_option("NAME", s->name, "Kind of flame:" + list_of_flames())->check(one_of(names));
-  command.add_option("-o,--output", s->output, "The .vdb file to write")
-      ->check(written())
-      ->option_text("FILE");
-  command.add_option("--voxel-size", s->voxel_size, "Edge of a voxel, such as \"0.25 mm\"")
-      ->option_text("LENGTH");
+  add_option(command, "-o,--output", s->output, "FILE", "The .vdb file to write")
+      ->check(written({".vdb"}));
+  add_option(command, "--voxel-size", s->voxel_size, "LENGTH",
+             "Edge of a voxel, such as \"0.25 mm\"");
   command.add_flag("--half", s->half, "Store values with 16 bits: relative error 2^-11");
-  command
-      .add_option("--compression", s->compression, "Compression of the file: none, zip or blosc")
-      ->option_text("NAME")
+  add_option(command, "--compression", s->compression, "NAME",
+             "Compression of the file: none, zip or blosc")
       ->check(one_of({"none", "zip", "blosc"}))
       ->capture_default_str();
-  command
-      .add_option("--layers", s->layers,
-                  flames_with("layers") + ": TOML file with [[layers]] tables")
-      ->option_text("FILE");
-  command
-      .add_option("--wavelength", s->wavelength,
-                  flames_with("wavelength") + ": wavelength at which the absorption holds (650 nm)")
-      ->option_text("LENGTH");
-  command
-      .add_option(
-          "--soot-function", s->soot_function,
-          flames_with("soot_function") + ": absorption function E(m) of soot, 0.2 to 0.4 (0.26)")
-      ->option_text("E");
-  command
-      .add_option("--line", s->lines,
-                  flames_with("lines") +
-                      ": add a grid of an emission line: ch, c2_517, oh, na_d, or with its peak "
-                      "\"ch=200 W/m^3\" (100 W/m^3); repeatable")
-      ->option_text("LINE")
+  add_option(command, "--layers", s->layers, "FILE",
+             flames_with("layers") + ": TOML file with [[layers]] tables");
+  add_option(command, "--wavelength", s->wavelength, "LENGTH",
+             flames_with("wavelength") + ": wavelength at which the absorption holds (650 nm)");
+  add_option(
+      command, "--soot-function", s->soot_function, "E",
+      flames_with("soot_function") + ": absorption function E(m) of soot, 0.2 to 0.4 (0.26)");
+  add_option(command, "--line", s->lines, "LINE",
+             flames_with("lines") +
+                 ": add a grid of an emission line: ch, c2_517, oh, na_d, or with its peak "
+                 "\"ch=200 W/m^3\" (100 W/m^3); repeatable")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--seed", s->seed, flames_with("seed") + ": seed of the plume (1)")
-      ->option_text("N");
-  command
-      .add_option("--set", s->parameters,
-                  "A parameter of the flame, e.g. --set \"height=40 mm\"; repeatable; --set help "
-                  "lists them")
-      ->option_text("NAME=VALUE")
+  add_option(command, "--seed", s->seed, "N", flames_with("seed") + ": seed of the plume (1)");
+  add_option(
+      command, "--set", s->parameters, "NAME=VALUE",
+      "A parameter of the flame, e.g. --set \"height=40 mm\"; repeatable; --set help lists them")
       ->take_all()
       ->allow_extra_args(false);
-  command.add_option("--threads", s->threads, "Worker threads; 0: one per processor (0)")
-      ->check(number_from(0))
-      ->option_text("N");
+  add_option(command, "--threads", s->threads, "N", "Worker threads; 0: one per processor (0)")
+      ->check(number_from(0));
   command.add_flag("--json", s->json, "Print what was written as JSON");
 #ifdef PLENOFLAME_HAS_VTK
   const StoppableAction import_action = add_flame_import(command);

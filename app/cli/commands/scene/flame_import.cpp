@@ -1,4 +1,5 @@
 #include "commands/scene/flame_import.h"
+#include "commands/add_option.h"
 
 #include <CLI/CLI.hpp>
 #include <memory>
@@ -67,8 +68,6 @@ int run_import(const FlameImportArguments& settings, const std::stop_token& stop
     throw UsageError(
         "the absorption is missing; give one of --absorption ARRAY, --soot ARRAY, --constant "
         "VALUE");
-  if (!request.output.ends_with(".vdb"))
-    throw UsageError("-o: '" + request.output + "' must end in .vdb");
   Report report;
   nlohmann::json files = nlohmann::json::array();
   ProgressBar bar(false);
@@ -125,56 +124,41 @@ StoppableAction add_flame_import(CLI::App& flame) {
           "(.xyz with --solution, .p3d), CGNS, Exodus, Tecplot, NetCDF, the folder of an AMReX "
           "plotfile, or raw bricks (.json). Several files are a series")
       ->required();
-  command
-      .add_option("-o,--output", request.output,
-                  "The .vdb file to write; of a series NAME_0000.vdb, NAME_0001.vdb, ...")
-      ->check(written())
-      ->required()
-      ->option_text("FILE");
-  command.add_option("--solution", request.solution, "PLOT3D: the solution (.q) of the grid")
-      ->option_text("FILE");
-  command.add_option("--temperature", request.temperature, "Array of the temperature (T)")
-      ->option_text("ARRAY");
-  command.add_option("--temperature-unit", request.temperature_unit, "K or degC (K)")
-      ->check(one_of({"K", "degC"}))
-      ->option_text("UNIT");
-  command
-      .add_option("--temperature-scale", request.temperature_scale,
-                  "Factor on the stored temperatures (1)")
-      ->check(number_above(0))
-      ->option_text("F");
-  command.add_option("--absorption", request.absorption, "Array of the absorption coefficient")
-      ->option_text("ARRAY");
-  command.add_option("--absorption-unit", request.absorption_unit, "1/m, 1/cm or 1/mm (1/m)")
-      ->check(one_of({"1/m", "1/cm", "1/mm"}))
-      ->option_text("UNIT");
-  command.add_option("--soot", request.soot, "Array of the volume fraction of soot")
-      ->option_text("ARRAY");
-  command.add_option("--soot-function", request.soot_function, "E(m) of soot, 0.2 to 0.4 (0.26)")
-      ->check(number_between(1e-6, kGreatestSootFunction))
-      ->option_text("E");
-  command
-      .add_option("--wavelength", settings->wavelength,
-                  "Wavelength at which the absorption holds (650 nm)")
-      ->option_text("LENGTH");
-  command
-      .add_option("--constant", settings->constant,
-                  "Uniform absorption in the mesh, e.g. \"20 1/m\"")
-      ->option_text("ABSORPTION");
-  command
-      .add_option("--voxel-size", settings->voxel_size,
-                  "Edge of a voxel (a 128th of the longest side)")
-      ->option_text("LENGTH");
-  command
-      .add_option("--bounds", settings->bounds,
-                  "Part to import: x low, x high, y low, y high, z low, z high, with units")
-      ->option_text("BOX");
-  command.add_option("--length-scale", request.length_scale, "Metres per unit of the mesh (1)")
-      ->check(number_above(0))
-      ->option_text("F");
-  command.add_option("--step", request.step, "Only this time step, from 0; without it, all")
-      ->check(number_from(0))
-      ->option_text("N");
+  add_option(command, "-o,--output", request.output, "FILE",
+             "The .vdb file to write; of a series NAME_0000.vdb, NAME_0001.vdb, ...")
+      ->check(written({".vdb"}))
+      ->required();
+  add_option(command, "--solution", request.solution, "FILE",
+             "PLOT3D: the solution (.q) of the grid");
+  add_option(command, "--temperature", request.temperature, "ARRAY",
+             "Array of the temperature (T)");
+  add_option(command, "--temperature-unit", request.temperature_unit, "UNIT", "K or degC (K)")
+      ->check(one_of({"K", "degC"}));
+  add_option(command, "--temperature-scale", request.temperature_scale, "F",
+             "Factor on the stored temperatures (1)")
+      ->check(number_above(0));
+  add_option(command, "--absorption", request.absorption, "ARRAY",
+             "Array of the absorption coefficient");
+  add_option(command, "--absorption-unit", request.absorption_unit, "UNIT",
+             "1/m, 1/cm or 1/mm (1/m)")
+      ->check(one_of({"1/m", "1/cm", "1/mm"}));
+  add_option(command, "--soot", request.soot, "ARRAY", "Array of the volume fraction of soot");
+  add_option(command, "--soot-function", request.soot_function, "E",
+             "E(m) of soot, 0.2 to 0.4 (0.26)")
+      ->check(number_between(1e-6, kGreatestSootFunction));
+  add_option(command, "--wavelength", settings->wavelength, "LENGTH",
+             "Wavelength at which the absorption holds (650 nm)");
+  add_option(command, "--constant", settings->constant, "ABSORPTION",
+             "Uniform absorption in the mesh, e.g. \"20 1/m\"");
+  add_option(command, "--voxel-size", settings->voxel_size, "LENGTH",
+             "Edge of a voxel (a 128th of the longest side)");
+  add_option(command, "--bounds", settings->bounds, "BOX",
+             "Part to import: x low, x high, y low, y high, z low, z high, with units");
+  add_option(command, "--length-scale", request.length_scale, "F",
+             "Metres per unit of the mesh (1)")
+      ->check(number_above(0));
+  add_option(command, "--step", request.step, "N", "Only this time step, from 0; without it, all")
+      ->check(number_from(0));
   command.add_flag("--half", request.half, "Store values with 16 bits");
   command.add_flag("--json", settings->json, "Print what was written as JSON");
   return [settings](const std::stop_token& stop) { return run_import(*settings, stop); };

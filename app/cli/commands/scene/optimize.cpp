@@ -2,6 +2,7 @@
 #include <memory>
 
 #include "camera_optimizer.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
@@ -47,10 +48,9 @@ void register_optimize(const Registry& registry) {
   add_set_option(command, settings->set);
   add_camera_option(command, settings->camera);
   add_settings<OptimizeRequest>(command, settings->request);
-  command.add_option("-o,--output", settings->output, "The optimised scene (.toml)")
+  add_option(command, "-o,--output", settings->output, "SCENE.toml", "The optimised scene (.toml)")
       ->check(written())
-      ->required()
-      ->option_text("SCENE.toml");
+      ->required();
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_optimize(*settings, stop); });

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/moment_options.h"
 #include "commands/scene_input.h"
@@ -36,8 +37,6 @@ int run_picture(const PictureArguments& settings) {
   if (!settings.size.empty()) request.size = pair_option("--size", settings.size, "WxH", 'x');
   for (const int side : request.size)
     if (side < 100 || side > 8000) throw UsageError("--size: each side must be 100 to 8000 pixels");
-  if (!request.output.ends_with(".png"))
-    throw UsageError("-o: '" + request.output + "' must end in .png");
   request.view =
       std::map<std::string, int>{{"scene", 0}, {"camera", 1}, {"array", 2}, {"flame", 3}}.at(
           settings.view);
@@ -67,56 +66,40 @@ void register_picture(const Registry& registry) {
   command.add_option("SCENE", request.scene, "Scene file (.toml)")->required();
   add_set_option(command, settings->set);
   add_moment_options(command, settings->moment);
-  command
-      .add_option("--camera", request.cameras,
-                  "Camera of the insets and of --view camera (the first), cameras whose rays are "
-                  "drawn (all); repeatable")
-      ->option_text("NAME")
+  add_option(command, "--camera", request.cameras, "NAME",
+             "Camera of the insets and of --view camera (the first), cameras whose rays are drawn "
+             "(all); repeatable")
       ->allow_extra_args(false);
-  command.add_option("-o,--output", request.output, "Picture to write (.png)")
-      ->check(written())
-      ->required()
-      ->option_text("FILE");
-  command
-      .add_option("--view", settings->view,
-                  "scene: all of it, with insets of camera and microlenses; camera; array: a few "
-                  "microlenses; flame: with the solid bodies (scene)")
-      ->check(one_of({"scene", "camera", "array", "flame"}))
-      ->option_text("VIEW");
-  command.add_option("--image", request.image, "Light field (.exr) to show on the sensor")
-      ->option_text("RAW");
-  command.add_option("--rays-file", request.rays_file, "Rays to draw (.vtp), written by rays")
-      ->option_text("FILE");
-  command.add_option("--pixel", settings->pixels, "Draw this pixel's rays; may be repeated")
-      ->option_text("X,Y")
+  add_option(command, "-o,--output", request.output, "FILE", "Picture to write (.png)")
+      ->check(written({".png"}))
+      ->required();
+  add_option(command, "--view", settings->view, "VIEW",
+             "scene: all of it, with insets of camera and microlenses; camera; array: a few "
+             "microlenses; flame: with the solid bodies (scene)")
+      ->check(one_of({"scene", "camera", "array", "flame"}));
+  add_option(command, "--image", request.image, "RAW", "Light field (.exr) to show on the sensor");
+  add_option(command, "--rays-file", request.rays_file, "FILE",
+             "Rays to draw (.vtp), written by rays");
+  add_option(command, "--pixel", settings->pixels, "X,Y", "Draw this pixel's rays; may be repeated")
       ->allow_extra_args(false);
-  command
-      .add_option("--microlens", settings->microlenses,
-                  "Draw this microlens' rays; may be repeated")
-      ->option_text("Q,R")
+  add_option(command, "--microlens", settings->microlenses, "Q,R",
+             "Draw this microlens' rays; may be repeated")
       ->allow_extra_args(false);
-  command
-      .add_option("--point", settings->points,
-                  "Draw rays from this point of the world towards the camera; may be repeated")
-      ->option_text("X,Y,Z")
+  add_option(command, "--point", settings->points, "X,Y,Z",
+             "Draw rays from this point of the world towards the camera; may be repeated")
       ->allow_extra_args(false);
   command.add_flag("--chief", request.chief, "Draw the chief ray of every microlens");
-  command.add_option("--random", request.random, "Draw the rays of N pixels drawn at random")
-      ->check(number_from(0))
-      ->option_text("N");
-  command.add_option("--rays", request.rays, "Rays per pixel and microlens, and per point (32)")
-      ->check(CLI::Range(2, 1 << 20))
-      ->option_text("N");
-  command.add_option("--most", request.most, "Draw at most N rays (2000)")
-      ->check(CLI::Range(1, 10000000))
-      ->option_text("N");
-  command
-      .add_option("--colour-by", settings->colour,
-                  "Colour of rays: type of the microlens, or status: how they ended (type)")
-      ->check(one_of({"type", "status"}))
-      ->option_text("WHAT");
-  command.add_option("--size", settings->size, "Size of the picture in pixels (1200x800)")
-      ->option_text("WxH");
+  add_option(command, "--random", request.random, "N", "Draw the rays of N pixels drawn at random")
+      ->check(number_from(0));
+  add_option(command, "--rays", request.rays, "N",
+             "Rays per pixel and microlens, and per point (32)")
+      ->check(CLI::Range(2, 1 << 20));
+  add_option(command, "--most", request.most, "N", "Draw at most N rays (2000)")
+      ->check(CLI::Range(1, 10000000));
+  add_option(command, "--colour-by", settings->colour, "WHAT",
+             "Colour of rays: type of the microlens, or status: how they ended (type)")
+      ->check(one_of({"type", "status"}));
+  add_option(command, "--size", settings->size, "WxH", "Size of the picture in pixels (1200x800)");
   command.add_flag("--no-flame", settings->no_flame, "Leave out the flame");
   command.add_flag("--no-surfaces", settings->no_surfaces, "Leave out the solid surfaces");
   command.add_flag("--no-insets", settings->no_insets, "Leave out the insets");

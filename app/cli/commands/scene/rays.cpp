@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/moment_options.h"
 #include "commands/scene/ray_counts.h"
@@ -122,9 +123,6 @@ int run_rays(const RaysArguments& settings, const std::stop_token& stop) {
     throw UsageError(
         "no rays are chosen; give --pixel X,Y, --window X,Y,W,H, --microlens Q,R, --point X,Y,Z "
         "(may be repeated), --pixels FILE, --random N or --chief");
-  if (!settings.output.ends_with(".vtp") && !settings.output.ends_with(".csv") &&
-      !settings.output.ends_with(".json") && !settings.output.ends_with(".npz"))
-    throw UsageError("-o: '" + settings.output + "' must end in .vtp, .csv, .json or .npz");
   check_writable(settings.output);
 
   const SceneDocument document =
@@ -176,70 +174,43 @@ void register_rays(const Registry& registry) {
   add_set_option(command, settings->set);
   add_camera_option(command, settings->camera);
   add_moment_options(command, settings->moment);
-  command
-      .add_option("-o,--output", settings->output,
-                  "File to write: .vtp (VTK PolyData), .csv, .json, or .npz (numpy)")
-      ->check(written())
-      ->required()
-      ->option_text("FILE");
-  command
-      .add_option("--pixel", settings->pixels,
-                  "All rays of this pixel: column and row, from the top left; repeatable")
-      ->option_text("X,Y")
+  add_option(command, "-o,--output", settings->output, "FILE",
+             "File to write: .vtp (VTK PolyData), .csv, .json, or .npz (numpy)")
+      ->check(written({".vtp", ".csv", ".json", ".npz"}))
+      ->required();
+  add_option(command, "--pixel", settings->pixels, "X,Y",
+             "All rays of this pixel: column and row, from the top left; repeatable")
       ->allow_extra_args(false);
-  command
-      .add_option("--window", settings->windows,
-                  "All rays of the pixels of this window; repeatable")
-      ->option_text("X,Y,W,H")
+  add_option(command, "--window", settings->windows, "X,Y,W,H",
+             "All rays of the pixels of this window; repeatable")
       ->allow_extra_args(false);
-  command
-      .add_option("--pixels", settings->pixel_file,
-                  "All rays of these pixels: column,row on each line")
-      ->option_text("FILE.csv");
-  command
-      .add_option("--microlens", settings->microlenses,
-                  "All rays through this microlens; repeatable")
-      ->option_text("Q,R")
+  add_option(command, "--pixels", settings->pixel_file, "FILE.csv",
+             "All rays of these pixels: column,row on each line");
+  add_option(command, "--microlens", settings->microlenses, "Q,R",
+             "All rays through this microlens; repeatable")
       ->allow_extra_args(false);
-  command
-      .add_option("--point", settings->points,
-                  "Rays from this point of the world, e.g. \"1 m, 0 m, 5 mm\"; repeatable")
-      ->option_text("X,Y,Z")
+  add_option(command, "--point", settings->points, "X,Y,Z",
+             "Rays from this point of the world, e.g. \"1 m, 0 m, 5 mm\"; repeatable")
       ->allow_extra_args(false);
-  command
-      .add_option("--random", settings->random, "All rays of N different pixels drawn at random")
-      ->option_text("N");
+  add_option(command, "--random", settings->random, "N",
+             "All rays of N different pixels drawn at random");
   command.add_flag("--chief", settings->chief, "The chief ray of every microlens");
-  command
-      .add_option(
-          "--rays", settings->rays,
-          "Rays per point, or per pixel and microlens, as --samples of render (default: 64)")
-      ->option_text("N");
-  command
-      .add_option(
-          "--flame-samples", settings->flame_samples,
-          "Vertices with temperature and absorption on each ray within the flames (default: none)")
-      ->option_text("N");
-  command
-      .add_option(
-          "--status", settings->statuses,
-          "Keep only rays of this status: reached, vignetted, reflected, missed; repeatable")
+  add_option(command, "--rays", settings->rays, "N",
+             "Rays per point, or per pixel and microlens, as --samples of render (default: 64)");
+  add_option(
+      command, "--flame-samples", settings->flame_samples, "N",
+      "Vertices with temperature and absorption on each ray within the flames (default: none)");
+  add_option(command, "--status", settings->statuses, "STATUS",
+             "Keep only rays of this status: reached, vignetted, reflected, missed; repeatable")
       ->check(one_of({"reached", "vignetted", "reflected", "missed"}))
-      ->option_text("STATUS")
       ->allow_extra_args(false);
-  command
-      .add_option("--type", settings->types,
-                  "Keep only rays through microlenses of this type, from 0; repeatable")
-      ->option_text("T")
+  add_option(command, "--type", settings->types, "T",
+             "Keep only rays through microlenses of this type, from 0; repeatable")
       ->allow_extra_args(false);
-  command
-      .add_option("--most", settings->most,
-                  "Keep at most N rays, drawn evenly; their sums are not fluxes")
-      ->option_text("N");
-  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
-  command.add_option("--seed", settings->seed, "Seed (default: the scene's)")->option_text("N");
+  add_option(command, "--most", settings->most, "N",
+             "Keep at most N rays, drawn evenly; their sums are not fluxes");
+  add_threads_option(command, settings->threads);
+  add_option(command, "--seed", settings->seed, "N", "Seed (default: the scene's)");
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_rays(*settings, stop); });

@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
@@ -142,40 +143,26 @@ void register_truth(const Registry& registry) {
       "plenoflame truth flame.exr -o micro-images.csv");
   command.add_option("RAW", settings->input, "Light field (.exr) written by render")->required();
   add_set_option(command, settings->set);
-  command
-      .add_option("-o,--output", settings->output,
-                  "Micro-images as CSV: lens, type, centre and radius in pixels")
-      ->check(written())
-      ->option_text("FILE.csv");
-  command
-      .add_option("--attach", settings->attach,
-                  "Raw image with the table of micro-images as attribute "
-                  "plenoflame.text.truth.micro_images")
-      ->check(written())
-      ->option_text("FILE.exr");
-  command
-      .add_option("--points", settings->points,
-                  "Points of the world: x,y,z in metres, one per line")
-      ->option_text("FILE.csv");
-  command
-      .add_option("--projections", settings->projections,
-                  "Images of --points in each microlens that sees them: by the ray through its "
-                  "centre and by the centroid of the light")
-      ->check(written())
-      ->option_text("FILE.csv");
-  command
-      .add_option("--rays", settings->rays,
-                  "Rays over the aperture for the centroids, for each point (default: 4096)")
-      ->option_text("N");
-  command
-      .add_option("--chief-rays", settings->chief,
-                  "Raw image with the chief ray of every pixel: layers chief.x .y .z [m], chief.dx "
-                  ".dy .dz, world")
-      ->check(written())
-      ->option_text("FILE.exr");
-  command.add_option("--threads", settings->threads, "Worker threads; 0: one per processor (0)")
-      ->check(CLI::Range(0, 1024))
-      ->option_text("N");
+  add_option(command, "-o,--output", settings->output, "FILE.csv",
+             "Micro-images as CSV: lens, type, centre and radius in pixels")
+      ->check(written());
+  add_option(
+      command, "--attach", settings->attach, "FILE.exr",
+      "Raw image with the table of micro-images as attribute plenoflame.text.truth.micro_images")
+      ->check(written());
+  add_option(command, "--points", settings->points, "FILE.csv",
+             "Points of the world: x,y,z in metres, one per line");
+  add_option(command, "--projections", settings->projections, "FILE.csv",
+             "Images of --points in each microlens that sees them: by the ray through its centre "
+             "and by the centroid of the light")
+      ->check(written());
+  add_option(command, "--rays", settings->rays, "N",
+             "Rays over the aperture for the centroids, for each point (default: 4096)");
+  add_option(command, "--chief-rays", settings->chief, "FILE.exr",
+             "Raw image with the chief ray of every pixel: layers chief.x .y .z [m], chief.dx .dy "
+             ".dz, world")
+      ->check(written());
+  add_threads_option(command, settings->threads);
   command.add_flag("--json", settings->json, "Print the figures as JSON");
   on_chosen(command, registry,
             [settings](const std::stop_token& stop) { return run_truth(*settings, stop); });

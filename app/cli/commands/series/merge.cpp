@@ -8,6 +8,7 @@
 #include <system_error>
 
 #include "choice.h"
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/render/render_options.h"
 #include "commands/series/sweep_set.h"
@@ -75,8 +76,7 @@ bool is_matrix(const std::string& file) {
 }
 
 void merge_matrices(const MergeArguments& arguments) {
-  if (!is_matrix(arguments.output) && !arguments.output.ends_with(".mtx"))
-    throw UsageError("-o: '" + arguments.output + "' must end in .npz, .h5 or .mtx");
+  check_ending("-o", arguments.output, {".npz", ".h5", ".mtx"});
   const CsrMatrix<float> all = merge_csr(arguments.files);
   write_csr(arguments.output, all);
   Report report;
@@ -106,8 +106,7 @@ int run_merge(const MergeArguments& arguments, const std::stop_token& stop) {
     merge_matrices(arguments);
     return kSuccess;
   }
-  if (!arguments.output.ends_with(".exr"))
-    throw UsageError("-o: '" + arguments.output + "' must end in .exr");
+  check_ending("-o", arguments.output, {".exr"});
   merge_pictures(arguments, stop);
   return kSuccess;
 }
@@ -124,15 +123,12 @@ void register_merge(const Registry& registry) {
                   "windows or different seeds. Or the folders of all parts of a 'sweep', or all "
                   "parts of 'operator --part' (.npz, .h5)")
       ->required();
-  command
-      .add_option("-o,--output", arguments->output,
-                  "Merged light field (.exr), folder of a sweep, or matrix (.npz, .h5 or .mtx)")
+  add_option(command, "-o,--output", arguments->output, "FILE",
+             "Merged light field (.exr), folder of a sweep, or matrix (.npz, .h5 or .mtx)")
       ->check(written())
-      ->required()
-      ->option_text("FILE");
-  command.add_option("--compression", arguments->compression, "See render (rle)")
-      ->check(one_of({"none", "rle", "zip", "piz"}))
-      ->option_text("NAME");
+      ->required();
+  add_option(command, "--compression", arguments->compression, "NAME", "See render (rle)")
+      ->check(one_of({"none", "rle", "zip", "piz"}));
   command.add_flag("--json", arguments->json, "Print the figures as JSON");
   on_chosen(command, registry,
             [arguments](const std::stop_token& stop) { return run_merge(*arguments, stop); });

@@ -8,6 +8,7 @@
 #include <memory>
 #include <set>
 
+#include "commands/add_option.h"
 #include "commands/commands.h"
 #include "commands/reconstruct/operator_options.h"
 #include "commands/render/render_options.h"
@@ -110,7 +111,8 @@ void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& 
     throw UsageError("--sweep takes one scene, not " + std::to_string(submit.scenes.size()));
   SweepArguments arguments;
   CLI::App sweep;
-  add_sweep_options(sweep, arguments);
+  std::vector<FileOption> file;
+  add_sweep_options(sweep, arguments, file);
   for (const char* name : {"SCENE", "--output"}) sweep.get_option(name)->required(false);
   read_options(sweep, words, {"--output", "--part", "--threads"}, arguments.render.options.scene);
   arguments.render.options.scene = submit.scenes.front();
@@ -126,12 +128,11 @@ void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& 
 void check_matrix(const SubmitArguments& submit, const std::vector<std::string>& words) {
   if (submit.scenes.size() > 1)
     throw UsageError("--operator takes one scene, not " + std::to_string(submit.scenes.size()));
-  if (!submit.matrix.ends_with(".npz") && !submit.matrix.ends_with(".h5"))
-    throw UsageError("--operator: '" + submit.matrix +
-                     "' must end in .npz or .h5, which merge reads");
+  check_ending("--operator", submit.matrix, {".npz", ".h5"});
   OperatorArguments arguments;
   CLI::App matrix;
-  add_operator_options(matrix, arguments);
+  std::vector<FileOption> file;
+  add_operator_options(matrix, arguments, file);
   for (const char* name : {"SCENE", "--output"}) matrix.get_option(name)->required(false);
   read_options(matrix, words, {"--output", "--part", "--threads", "--pixels", "--places", "--json"},
                arguments.scene);
@@ -350,38 +351,25 @@ void register_submit(const Registry& registry) {
       ->required();
   command.add_flag("--slurm", arguments->slurm,
                    "Slurm job array with one task per part of each picture, numbered from 1");
-  command
-      .add_option(
-          "-o,--output", arguments->output,
-          "Script to write. Pictures are named after their scenes, in the folder of the submission")
+  add_option(
+      command, "-o,--output", arguments->output, "FILE",
+      "Script to write. Pictures are named after their scenes, in the folder of the submission")
       ->check(written())
-      ->required()
-      ->option_text("FILE");
-  command
-      .add_option("--sweep", arguments->sweep,
-                  "Sweep of the scene into this folder, in place of pictures")
-      ->option_text("DIR");
-  command
-      .add_option("--operator", arguments->matrix,
-                  "Matrix of the scene to this file (.npz, .h5), in place of pictures")
-      ->excludes("--sweep")
-      ->option_text("FILE");
-  command.add_option("--parts", arguments->parts, "Parts of each picture, sweep or matrix (1)")
-      ->option_text("N");
-  command.add_option("--threads", arguments->threads, "Processors of a task (1)")->option_text("N");
-  command
-      .add_option(
-          "--time", arguments->time,
-          "Time limit of a task, e.g. 2h or D-HH:MM:SS; without it, the batch system's default")
-      ->option_text("TIME");
-  command.add_option("--memory", arguments->memory, "Memory of a task, e.g. 4G")
-      ->option_text("SIZE");
-  command.add_option("--partition", arguments->partition, "Partition of the cluster")
-      ->option_text("NAME");
-  command
-      .add_option("--options", arguments->options,
-                  "Options for render, sweep or operator: --options '--samples 256 --truth'")
-      ->option_text("TEXT");
+      ->required();
+  add_option(command, "--sweep", arguments->sweep, "DIR",
+             "Sweep of the scene into this folder, in place of pictures");
+  add_option(command, "--operator", arguments->matrix, "FILE",
+             "Matrix of the scene to this file (.npz, .h5), in place of pictures")
+      ->excludes("--sweep");
+  add_option(command, "--parts", arguments->parts, "N",
+             "Parts of each picture, sweep or matrix (1)");
+  add_option(command, "--threads", arguments->threads, "N", "Processors of a task (1)");
+  add_option(command, "--time", arguments->time, "TIME",
+             "Time limit of a task, e.g. 2h or D-HH:MM:SS; without it, the batch system's default");
+  add_option(command, "--memory", arguments->memory, "SIZE", "Memory of a task, e.g. 4G");
+  add_option(command, "--partition", arguments->partition, "NAME", "Partition of the cluster");
+  add_option(command, "--options", arguments->options, "TEXT",
+             "Options for render, sweep or operator: --options '--samples 256 --truth'");
   on_chosen(command, registry, [arguments] { return run_submit(*arguments); });
 }
 

@@ -128,7 +128,7 @@ void register_sweep(const Registry& registry) {
   CLI::App& command = add_command(
       registry, "sweep", "Render a data set: many runs of a scene with different values",
       "plenoflame sweep examples/lenslets-30.toml --table runs.csv -o set");
-  add_sweep_options(command, *arguments);
+  add_sweep_options(command, *arguments, registry.action.file);
   on_chosen(command, registry, [arguments, ranks = registry.ranks](const std::stop_token& stop) {
     return run_sweep(*arguments, ranks, stop);
   });

@@ -19,6 +19,8 @@ class App;
 
 namespace plenoflame::cli {
 
+struct FileOption;
+
 /// The command line of `sweep`.
 struct SweepArguments {
   RenderArguments render;  ///< scene, --set, --camera, --samples, --window, --threads, ...
@@ -26,7 +28,7 @@ struct SweepArguments {
 };
 
 /// Adds the options of `sweep` to its command.
-void add_sweep_options(CLI::App& command, SweepArguments& arguments);
+void add_sweep_options(CLI::App& command, SweepArguments& arguments, std::vector<FileOption>& file);
 
 /// A flame of a run that is made by a generator.
 struct GeneratedFlame {

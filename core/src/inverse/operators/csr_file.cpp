@@ -393,10 +393,10 @@ CsrMatrix<float> merge_csr(const std::vector<std::string>& paths) {
     if (own.part.is_whole()) throw InputError(path + ": is no part of a matrix: it is whole");
     if (parts.empty()) first = own, columns = matrix.columns();
     if (own.part.count != first.part.count || own.work != first.work || matrix.columns() != columns)
-      throw InputError(
-          fmt::format("{}: belongs to another matrix than {}: its scene, its unknowns "
-                      "or the number of parts differ",
-                      path, paths.front()));
+      throw InputError(fmt::format(
+          "{}: belongs to another matrix than {}: the scene, the settings, the number of "
+          "parts or the version of Plenoflame differ; make all parts by one version",
+          path, paths.front()));
     const auto [at, is_new] = parts.try_emplace(own.part.number, path, std::move(matrix));
     if (!is_new)
       throw InputError(fmt::format("{} and {} are the same part, {}", at->second.first, path,

@@ -1,7 +1,9 @@
-#include "commands/reconstruct/settings_file.h"
+#include "commands/settings_file.h"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -21,7 +23,8 @@ std::optional<std::vector<FileSetting>> settings_in(const std::string& file,
   std::error_code ignored;
   if (!file.ends_with(".toml") || !fs::is_regular_file(file, ignored)) return std::nullopt;
   std::optional<std::vector<FileSetting>> settings = read_settings(file, table);
-  for (const char* other : {"reconstruction", "operator"})
+  constexpr std::array kTables{"reconstruction", "operator", "sweep", "import"};
+  for (const char* other : kTables)
     if (!settings && other != table && read_settings(file, other))
       throw InputError(SourcePosition{file},
                        "a table [" + table + "] is needed here, not [" + other + "]");
@@ -41,14 +44,10 @@ std::map<std::string, CLI::Option*> options_by_key(CLI::App& command) {
   return options;
 }
 
-/// Gives an option the values of a setting, and evaluates it. @throws InputError
+/// Gives an option the values of a setting, and evaluates it. @throws InputError, UsageError
 void set_option(CLI::Option& option, const FileSetting& setting,
                 const std::vector<std::string>& values) {
   option.clear();
-  try {
-    option.get_validator("ending")->active(true);
-  } catch (const CLI::OptionNotFound&) {
-  }
   if (option.get_items_expected_max() == 0 && values != std::vector<std::string>{"true"} &&
       values != std::vector<std::string>{"false"})
     throw InputError(setting.position,
@@ -60,18 +59,45 @@ void set_option(CLI::Option& option, const FileSetting& setting,
   try {
     option.run_callback();
   } catch (const CLI::ParseError& error) {
-    const std::string text = error.what(), name = option.get_name();
-    throw InputError(
-        setting.position,
-        setting.key + (text.starts_with(name) ? text.substr(name.size()) : ": " + text));
+    throw UsageError(error.what());
   }
+}
+
+bool takes_files(const CLI::Option& option) {
+  const std::string form = option.get_option_text();
+  const auto dot = form.find('.');
+  return form.starts_with("FILE") || form == "DIR" ||
+         (dot + 1 < form.size() && std::islower(static_cast<unsigned char>(form[dot + 1])) != 0);
+}
+
+/// The name of a file, or LABEL=NAME, from the folder of the settings.
+std::string in_folder(const fs::path& folder, const std::string& value) {
+  std::error_code error;
+  if (value.empty() || value == "auto") return value;
+  const auto equals = fs::exists(folder / value, error) ? std::string::npos : value.find('=');
+  if (equals == std::string::npos) return (folder / value).string();
+  return value.substr(0, equals + 1) + (folder / value.substr(equals + 1)).string();
+}
+
+/// All that a message may begin with if it is about an option: "--absorption-error", "-o", and
+/// "absorption_error".
+FileOption file_option(const CLI::Option& option, const FileSetting& setting) {
+  FileOption given{setting.position, setting.key, {setting.key}};
+  for (const std::string& name : option.get_lnames()) given.names.push_back("--" + name);
+  for (const std::string& name : option.get_snames()) given.names.push_back("-" + name);
+  return given;
 }
 
 }  // namespace
 
-std::vector<std::string> scenes_or_settings(CLI::App& command, const std::string& argument,
+std::string table_of(const CLI::App& command) {
+  return command.get_name() == "reconstruct" ? "reconstruction" : command.get_name();
+}
+
+std::vector<std::string> inputs_or_settings(CLI::App& command, const std::string& argument,
                                             const std::vector<std::string>& files,
-                                            const std::string& table) {
+                                            std::vector<FileOption>& given) {
+  const std::string table = table_of(command);
   std::optional<std::vector<FileSetting>> settings;
   for (const std::string& file : files)
     if ((settings = settings_in(file, table))) break;
@@ -94,21 +120,33 @@ std::vector<std::string> scenes_or_settings(CLI::App& command, const std::string
     }
     CLI::Option& option = *found->second;
     std::vector<std::string> values = setting.values;
-    if (&option == named || option.get_option_text().starts_with("FILE"))
-      for (std::string& path : values)
-        if (!path.empty()) path = (folder / path).string();
+    if (&option == named || takes_files(option))
+      for (std::string& path : values) path = in_folder(folder, path);
     if (&option == named &&
         values.size() > static_cast<std::size_t>(named->get_items_expected_max()))
       throw InputError(setting.position, setting.key + ": one, not several");
     if (&option == named)
       named->add_result(values);
-    else if (option.count() == 0)
+    else if (option.count() == 0) {
+      given.push_back(file_option(option, setting));
       set_option(option, setting, values);
+    }
   }
   if (named->count() == 0)
     throw InputError(SourcePosition{files.front()},
                      "[" + table + "] has no key \"" + CLI::detail::to_lower(argument) + "\"");
   return named->results();
+}
+
+void throw_at_key(const std::vector<FileOption>& settings, const std::string& message) {
+  for (const FileOption& setting : settings)
+    for (const std::string& name : setting.names) {
+      if (!message.starts_with(name)) continue;
+      const std::string rest = message.substr(name.size());
+      if (rest.empty() || (std::isalnum(static_cast<unsigned char>(rest[0])) == 0 &&
+                           rest[0] != '-' && rest[0] != '_'))
+        throw InputError(setting.position, setting.key + rest);
+    }
 }
 
 }  // namespace plenoflame::cli

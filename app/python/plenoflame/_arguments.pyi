@@ -1,6 +1,0 @@
-from typing import Sequence, TypeVar
-
-_Thing = TypeVar("_Thing")
-
-def guarded(thing: _Thing) -> _Thing: ...
-def refusal(function: str, name: str, known: Sequence[str]) -> str: ...
