@@ -189,7 +189,7 @@ look_direction = [0, 1, 0]
                 self.assertEqual(result.returncode, 0, result.stderr)
                 found.append([self.read("r.json"), self.read("r.exr")])
                 self.assertEqual(found[-1], found[0], (scene, ranks))
-        # Rays that are drawn again are the first rank's own, and the same.
+        # Rays of forms without a matrix are the first rank's own.
         found = []
         for form in ("rays", "drawn"):
             result = self.shared(2, "reconstruct", "front.toml", "--images", "front.exr", *common, "--rays", "4", "--bin", "8", "--iterations", "2",
@@ -202,6 +202,42 @@ look_direction = [0, 1, 0]
         lines = [line for line in result.stderr.splitlines() if line.startswith("plenoflame: ")]
         self.assertEqual((result.returncode, len(lines)), (1, 1), result.stderr)
         self.assertIn("none.exr", lines[0])
+
+    def test_each_rank_keeps_its_share_of_the_matrix(self):
+        """Two cameras and voxels, whose matrix is shared: the bits of one process, and the memory of each rank."""
+        self.succeeds("flame", "candle", "--voxel-size", "1 mm", "-o", "candle.vdb")
+        for name in ("front", "side"):
+            shutil.copy(EXAMPLES / f"reconstruct-{name}.toml", self.path(f"{name}.toml"))
+            self.succeeds("render", f"{name}.toml", "--samples", "8", "--quiet", "-o", f"{name}.exr")
+        self.write("measured.sh", f"""#!{sys.executable}
+import os, resource, subprocess, sys
+status = subprocess.call(sys.argv[1:])
+with open("memory." + os.environ["OMPI_COMM_WORLD_RANK"], "w") as file:
+    file.write(str(resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss))
+sys.exit(status)
+""")
+        os.chmod(self.path("measured.sh"), 0o755)
+
+        def memory(ranks, *arguments):
+            """[kB] of each rank."""
+            result = subprocess.run([*MPIRUN, "-n", str(ranks), "./measured.sh", command.COMMAND, *arguments], cwd=self.folder,
+                                    env=ENVIRONMENT, capture_output=True, text=True, timeout=240, check=False, stdin=subprocess.DEVNULL)
+            self.assertEqual(result.returncode, 0, result.stderr)
+            return [int(self.read(f"memory.{rank}")) for rank in range(ranks)]
+
+        idle = memory(1, "info", "front.toml")[0]
+        common = ("reconstruct", "front.toml", "side.toml", "--images", "front.exr", "side.exr", "--grid", "48", "--rays", "32",
+                  "--strength", "1e-4", "--iterations", "4", "--probes", "0", "--draws", "0", "--threads", "1", "--quiet",
+                  "-o", "x.vdb", "--residual", "a.exr", "b.exr", "--report", "x.json")
+        one = memory(1, *common)[0] - idle
+        files = [self.read(name) for name in ("x.vdb", "a.exr", "b.exr")]
+        figures = json.loads(self.read("x.json"))
+        self.assertGreater(figures["matrix_bytes"], 5e7)
+        for ranks in (2, 3):
+            each = memory(ranks, *common)
+            self.assertEqual([self.read(name) for name in ("x.vdb", "a.exr", "b.exr")], files, ranks)
+            self.assertEqual(json.loads(self.read("x.json")) | {"rays_kept": True}, figures, ranks)
+            self.assertLess((max(each) - idle) / one, 0.1 + 1.2 / ranks, (each, idle, one))
 
     def test_wrong_input_is_said_once(self):
         for arguments, status, text in ((("render", "missing.toml", "-o", "x.exr"), 1, "missing.toml"),

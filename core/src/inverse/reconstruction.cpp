@@ -46,6 +46,8 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
+/// [byte] Products with a smaller matrix take less time than messages between ranks.
+constexpr double kLeastShared = 8e6;
 /// Time of the whole over that of the first guess, within a factor of 2; shortest reported time.
 constexpr double kTimesGuess = 100, kLongRun = 60;
 
@@ -301,9 +303,7 @@ void check_input(const ReconstructionInput& input) {
 
 /// Before rays are followed. @throws InputError, UsageError
 void check_settings(const ReconstructionSettings& settings, const Unknowns& unknowns) {
-  const bool may_be_stored =
-      settings.form == OperatorForm::automatic || settings.form == OperatorForm::matrix;
-  if (wants_matrix(settings.solver) && !(settings.memory > 0 && may_be_stored))
+  if (wants_matrix(settings.solver) && !(settings.memory > 0 && may_be_stored(settings)))
     throw InputError(
         "this solver goes through the rows of the stored matrix, for which there is no memory: "
         "give it some, or take another solver");
@@ -359,19 +359,26 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   const RowModel model = input.absorption.empty() ? RowModel::emission : RowModel::source;
   const BuiltRows& built = input.built;
   if (built.rays) check_built(input, settings);
+  // Ranks draw the rays of their rows, and this one keeps none.
+  const bool may_share =
+      settings.assembly && !built.rays && may_be_stored(settings) && !wants_matrix(settings.solver);
+  const double shares = may_share ? settings.assembly->ranks() : 1;
   if (must_be_stored(settings) && !built.rays) {  // before all rays are drawn
     const double least =
         kBytesOfEntry * least_entries({nullptr, input.unknowns, model, input.absorption}, views,
                                       settings.rays, execution);
     is_stored(settings, least, true);
-    require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0, least);
+    require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0, least / shares);
   }
   const Execution solving = part_of_progress(execution, 0, settings.test_model ? kUntested : 1);
   const Execution drawing = part_of_progress(solving, 0, kDrawingShare);
   const Box box = input.unknowns->bounds();
-  const CameraRays drawn =
-      built.rays ? CameraRays()
-                 : rays_by(settings.assembly, settings.form, views, box, settings.rays, drawing);
+  CameraRaySettings how = settings.rays;
+  CameraRays drawn;
+  if (may_share)
+    drawn = settings.assembly->rays(views, box, settings.form, how, drawing);
+  else if (!built.rays)
+    drawn = rays_of_form(settings.form, views, box, how, drawing);
   const CameraRays& rays = built.rays ? *built.rays : drawn;
   if (rays.rows.empty())
     throw InputError(
@@ -386,32 +393,38 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.model = model;
   result.rows = rays.rows.size();
   result.rays = rays.ray_count();
-  result.drawn = rays.source != nullptr;
   const std::size_t unknowns = input.unknowns->size();
   require_vector_memory(settings, *input.unknowns, unknowns, result.rows);
   const EmissionProblem problem{&rays, input.unknowns, result.model, input.absorption};
-  result.matrix_bytes = kBytesOfEntry * static_cast<double>(estimated_entries(problem));
+  result.matrix_bytes =
+      kBytesOfEntry * static_cast<double>(may_share ? settings.assembly->entries(problem)
+                                                    : estimated_entries(problem));
   result.stored = built.rays ? built.matrix != nullptr : is_stored(settings, result.matrix_bytes);
+  const bool shared = may_share && result.stored && result.matrix_bytes >= kLeastShared;
+  if (may_share && !shared) {
+    settings.assembly->forget();
+    drawn = rays_of_form(settings.form, views, box, how, without_reports(execution));
+  }
+  result.drawn = rays.source != nullptr;
   ReconstructionSettings held = settings;
   if (!result.stored) held.memory = 0;
   require_vector_memory(
       held, *input.unknowns, unknowns, result.rows,
-      result.stored && !built.matrix ? (result.drawn ? 2 : 1) * result.matrix_bytes : 0);
+      result.stored && !built.matrix ? result.matrix_bytes / (shared ? shares : 1) : 0);
   // A stop ends the solution between two iterations, so that what was reached is kept.
   const Execution quiet = execution.threads_only();
   CsrMatrix<float> made;
-  if (result.stored && !built.matrix)
-    made = settings.assembly ? settings.assembly->matrix(problem, execution)
-                             : make_emission_matrix(problem, execution);
+  if (result.stored && !built.matrix && !shared) made = make_emission_matrix(problem, execution);
   const CsrMatrix<float>& matrix = built.matrix ? *built.matrix : made;
   // A product that follows the rays takes long: a stop ends it in the middle.
   const Execution ending = without_reports(execution);
   const std::unique_ptr<LinearOperator> multiplied =
-      result.stored ? make_csr_operator(matrix, worthwhile_threads(matrix, quiet))
-                    : make_emission_operator(problem, ending);
+      shared          ? settings.assembly->matrix(problem, result.matrix_bytes, execution)
+      : result.stored ? make_csr_operator(matrix, worthwhile_threads(matrix, quiet))
+                      : make_emission_operator(problem, ending);
   const auto remembered = std::make_unique<RememberedProduct>(*multiplied);
   const LinearOperator* const a = result.stored ? multiplied.get() : remembered.get();
-  const CsrMatrix<float>* stored = result.stored ? &matrix : nullptr;
+  const CsrMatrix<float>* stored = result.stored && !shared ? &matrix : nullptr;
 
   // The picture of what is handed out, also after a stop.
   const auto image_of = [&](const std::vector<double>& x) {
@@ -525,7 +538,6 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
         if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
-          CameraRaySettings how = settings.rays;
           how.keep = !result.drawn;
           const auto add_to_deviation = [&](std::span<const double> change) {
             const std::vector<double> moved = followed(change);

@@ -21,10 +21,12 @@ bool must_be_stored(const ReconstructionSettings& settings) {
   return settings.form == OperatorForm::matrix || wants_matrix(settings.solver);
 }
 
+bool may_be_stored(const ReconstructionSettings& settings) {
+  return settings.form == OperatorForm::automatic || settings.form == OperatorForm::matrix;
+}
+
 bool is_stored(const ReconstructionSettings& settings, double matrix_bytes, bool at_least) {
-  const bool may_be =
-      settings.form == OperatorForm::automatic || settings.form == OperatorForm::matrix;
-  const bool stored = may_be && matrix_bytes <= settings.memory;
+  const bool stored = may_be_stored(settings) && matrix_bytes <= settings.memory;
   const bool wanted = wants_matrix(settings.solver);
   if (stored || !must_be_stored(settings)) return stored;
   throw InputError(

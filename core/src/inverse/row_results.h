@@ -15,6 +15,9 @@ void count_left_out(std::span<const double> weights, Reconstruction& result);
 /// Tells whether the solver or the form wants the stored matrix.
 bool must_be_stored(const ReconstructionSettings& settings);
 
+/// Tells whether the form allows the stored matrix.
+bool may_be_stored(const ReconstructionSettings& settings);
+
 /// Tells whether a matrix of this size [byte] is stored. @param at_least it may take more
 /// @throws InputError if it must be stored and exceeds the allowed memory
 bool is_stored(const ReconstructionSettings& settings, double matrix_bytes, bool at_least = false);

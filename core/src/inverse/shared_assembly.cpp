@@ -3,362 +3,481 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <deque>
 #include <exception>
-#include <functional>
+#include <mutex>
 #include <new>
-#include <numeric>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
-#include <tuple>
 #include <utility>
 
+#include "inverse/operators/csr_parts.h"
+#include "inverse/operators/own_rows.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/film/film.h"
 #include "plenoflame/render/ranks.h"
 #include "render/estimators/rank_bytes.h"
 
 namespace plenoflame {
 namespace {
 
-using namespace std::chrono_literals;
+// First bytes of the messages; what follows them.
+constexpr char kDraw = 'd';        ///< from rank 0: windows, box, settings
+constexpr char kModel = 'l';       ///< from rank 0: what rows are, and the absorption
+constexpr char kEntries = 'n';     ///< from rank 0: rows
+constexpr char kMatrix = 'm';      ///< from rank 0: estimated bytes
+constexpr char kParts = 'p';       ///< from rank 0: OwnRows::set_parts()
+constexpr char kTimes = 'x';       ///< from rank 0: x
+constexpr char kTransposed = 'y';  ///< from rank 0: the rank's part of y
+constexpr char kSquares = 'q';     ///< from rank 0
+constexpr char kAnswer = 'a';      ///< to rank 0: rows, entries, their starts, A x, squares of rows
+constexpr char kSum = 's';         ///< to the next rank, from the last one to rank 0: TransposedSum
+constexpr char kForget = 'f';      ///< from rank 0
+constexpr char kEnds = 'u';        ///< from rank 0
 
-// First bytes of the messages within an assembly; what follows them.
-constexpr char kReady = 'y';  ///< to rank 0
-constexpr char kDraw = 'd';   ///< from rank 0: piece, number of the view, its window, box, settings
-constexpr char kRows = 'm';   ///< from rank 0: piece, rays of some rows
-constexpr char kModel = 'l';  ///< from rank 0: what rows are, and the absorption
-constexpr char kPiece = 'p';  ///< to rank 0: piece and its results
-constexpr char kEnds = 'u';   ///< from rank 0
-
-constexpr auto kPause = 1ms;
-constexpr int kAhead = 2;                                   ///< pieces that a rank has at a time
-constexpr std::size_t kRaysOfPiece = std::size_t{1} << 18;  ///< some 20 MB
-constexpr std::size_t kRowsOfPiece = 8192;
-/// Rays of a single microlens that a piece may have: several times as many still fit a message.
-constexpr std::size_t kMostRays = std::size_t{1} << 21;
-
-void put_rays(std::string& bytes, const CameraRays& rays) {
-  put_all(bytes, rays.rows);
-  put_all(bytes, rays.rays);
+template <class Value>
+std::string message_of(char what, const std::vector<Value>& values) {
+  std::string bytes(1, what);
+  put_all(bytes, values);
+  return bytes;
 }
 
-CameraRays get_rays(RankReader& reader) {
-  CameraRays rays;
-  rays.rows = reader.get_all<CameraRays::Row>();
-  rays.rays = reader.get_all<CameraRay>();
-  return rays;
+template <class Value>
+std::vector<Value> values_of(const RankMessage& message) {
+  return RankReader(std::string_view(message.bytes).substr(1)).get_all<Value>();
 }
 
-/// A window of one view that is drawn at a time.
-struct DrawnPiece {
+std::string message_of(const TransposedSum& sum) {
+  std::string bytes = message_of(kSum, sum.whole);
+  put_all(bytes, sum.open);
+  return bytes;
+}
+
+TransposedSum sum_of(const RankMessage& message) {
+  RankReader reader(std::string_view(message.bytes).substr(1));
+  std::vector<double> whole = reader.get_all<double>();
+  return {std::move(whole), reader.get_all<double>()};
+}
+
+/// A window of one view that a rank draws.
+struct DrawnWindow {
   std::size_t view;
   PixelWindow window;
 };
 
-/// The views in pieces of whole tiles and blocks of pixels: their rays do not depend on the
-/// others'. Empty where pieces would be too large.
-std::vector<DrawnPiece> pieces_of(const std::vector<CameraView>& views,
-                                  const CameraRaySettings& settings) {
-  const std::int64_t step =
-      settings.bin == 1 ? Film::kTile : std::lcm<std::int64_t>(settings.bin, Film::kTile);
-  const auto in_tile =
-      static_cast<std::size_t>(step * step) * static_cast<std::size_t>(settings.samples);
-  if (in_tile > kMostRays) return {};
-  const int down = static_cast<int>(step);
-  const int across = down * static_cast<int>(std::max<std::size_t>(1, kRaysOfPiece / in_tile));
-  std::vector<DrawnPiece> pieces;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    const PixelWindow all = window_of(views[v]);
-    for (int y = 0; y < all.height; y += down)
-      for (int x = 0; x < all.width; x += across)
-        pieces.push_back({v,
-                          {all.x + x, all.y + y, std::min(across, all.width - x),
-                           std::min(down, all.height - y)}});
+/// The windows of each rank, in the order of the rows, with about equal numbers of rays.
+std::vector<std::vector<DrawnWindow>> windows_of_ranks(const std::vector<CameraView>& views,
+                                                       const Box& box, CameraRaySettings settings,
+                                                       std::size_t ranks,
+                                                       const Execution& execution) {
+  struct Line {
+    std::size_t view;
+    int line;  ///< of the view's window
+  };
+  const bool by_cameras = settings.cells > 0;
+  settings.samples = settings.replicates;
+  const CameraRays few = counted_camera_rays(views, box, settings, execution);
+  std::vector<Line> begins{{0, 0}};
+  for (std::size_t rank = 1; rank < ranks; ++rank) {
+    const auto at = std::ranges::lower_bound(few.rows, few.ray_count() * rank / ranks, {},
+                                             &CameraRays::Row::begin);
+    if (at == few.rows.end()) {
+      begins.push_back({views.size(), 0});
+      continue;
+    }
+    const auto view = static_cast<std::size_t>(at->view);
+    begins.push_back({view, by_cameras ? 0 : at->row - window_of(views[view]).y});
   }
-  return pieces;
+  begins.push_back({views.size(), 0});
+  std::vector<std::vector<DrawnWindow>> windows(ranks);
+  for (std::size_t rank = 0; rank < ranks; ++rank) {
+    const Line &begin = begins[rank], &end = begins[rank + 1];
+    for (std::size_t v = begin.view; v < views.size() && v <= end.view; ++v) {
+      PixelWindow window = window_of(views[v]);
+      const int from = v == begin.view ? begin.line : 0;
+      const int to = v == end.view ? end.line : window.height;
+      window.y += from;
+      window.height = to - from;
+      if (to > from) windows[rank].push_back({v, window});
+    }
+  }
+  return windows;
 }
 
-CameraRays draw_piece(const CameraView& view, std::size_t number, const PixelWindow& window,
+/// The rows of a rank, with the numbers of all views.
+CameraRays drawn_rays(const std::vector<CameraView>& all, const std::vector<DrawnWindow>& windows,
                       const Box& box, const CameraRaySettings& settings,
                       const Execution& execution) {
-  CameraView part = view;
-  part.window = window;
-  CameraRays rays = draw_camera_rays({part}, box, settings, execution);
-  for (CameraRays::Row& row : rays.rows) row.view = static_cast<int>(number);
+  std::vector<CameraView> views;
+  for (const DrawnWindow& own : windows) views.push_back({all.at(own.view).scene, own.window});
+  CameraRays rays = draw_camera_rays(views, box, settings, execution);
+  for (CameraRays::Row& row : rays.rows)
+    row.view = static_cast<int>(windows[static_cast<std::size_t>(row.view)].view);
   return rays;
 }
 
-/// Puts pieces together in the order of the whole: by view, line and column.
-CameraRays joined(std::vector<CameraRays> pieces) {
-  struct Place {
-    int view, row, column;
-    std::size_t piece, number;
-  };
-  std::vector<Place> places;
-  std::vector<std::size_t> left;  // rows of each piece that are not copied yet
-  std::size_t rays = 0;
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    left.push_back(pieces[p].rows.size());
-    rays += pieces[p].rays.size();
-    for (std::size_t i = 0; i < pieces[p].rows.size(); ++i) {
-      const CameraRays::Row& row = pieces[p].rows[i];
-      places.push_back({row.view, row.row, row.column, p, i});
-    }
-  }
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
-    return std::tie(a.view, a.row, a.column) < std::tie(b.view, b.row, b.column);
-  });
-  CameraRays all;
-  all.rows.reserve(places.size());
-  all.rays.reserve(rays);
-  for (const Place& place : places) {
-    CameraRays& piece = pieces[place.piece];
-    CameraRays::Row row = piece.rows[place.number];
-    const auto begin = static_cast<std::ptrdiff_t>(row.begin),
-               end = static_cast<std::ptrdiff_t>(piece.end_of(place.number));
-    row.begin = all.rays.size();
+std::string rows_message(const CameraRays& rays) {
+  std::string bytes = message_of(kAnswer, rays.rows);
+  put_all(bytes, rays.pixels);
+  put_all(bytes, rays.pixel_ends);
+  put(bytes, rays.ray_count());
+  return bytes;
+}
+
+/// Appends the rows of a rank. @param count of rays so far
+void append_rows(const RankMessage& message, CameraRays& all, std::size_t& count) {
+  RankReader reader(std::string_view(message.bytes).substr(1));
+  for (CameraRays::Row& row : reader.get_all<CameraRays::Row>()) {
     all.rows.push_back(row);
-    all.rays.insert(all.rays.end(), piece.rays.begin() + begin, piece.rays.begin() + end);
-    if (--left[place.piece] == 0) piece = {};
+    all.rows.back().begin += count;
+  }
+  const std::size_t pixels = all.pixels.size();
+  for (const CameraRays::Pixel& pixel : reader.get_all<CameraRays::Pixel>())
+    all.pixels.push_back(pixel);
+  for (const std::size_t end : reader.get_all<std::size_t>())
+    all.pixel_ends.push_back(pixels + end);
+  count += reader.get<std::size_t>();
+}
+
+/// The rows of a rank, whose rays are given back. @throws InputError: there is no memory for them
+CsrMatrix<float> take_matrix(EmissionProblem problem, CameraRays& rays, double bytes,
+                             const Execution& execution) {
+  require_memory(bytes, "a rank's rows of the matrix",
+                 "take more machines, a coarser grid, or larger blocks of pixels");
+  problem.rays = &rays;
+  CsrMatrix<float> matrix = make_emission_matrix(problem, execution);
+  rays = {};
+  return matrix;
+}
+
+/// Waits for a message of this kind, or for the error of another rank.
+RankMessage wait_for(Communicator& ranks, char what, const std::stop_token& stop = {}) {
+  for (;;) {
+    RankMessage message = wait_for_message(ranks, stop);
+    if (message.bytes.front() == rank_message::kFailed) throw Error(message.bytes.substr(1));
+    if (message.bytes.front() == what) return message;
+  }
+}
+
+/// The answers of the other ranks; none for rank 0.
+std::vector<RankMessage> answers(Communicator& ranks, const std::stop_token& stop = {}) {
+  std::vector<RankMessage> all(static_cast<std::size_t>(ranks.size()));
+  for (int rank = 1; rank < ranks.size(); ++rank) {
+    RankMessage message = wait_for(ranks, kAnswer, stop);
+    all.at(static_cast<std::size_t>(message.from)) = std::move(message);
   }
   return all;
 }
 
-/// Some rows one after the other, with their rays.
-CameraRays some_rows(const CameraRays& all, std::size_t first, std::size_t end) {
-  CameraRays some;
-  const std::size_t from = all.rows[first].begin, to = all.end_of(end - 1);
-  some.rows.assign(all.rows.begin() + static_cast<std::ptrdiff_t>(first),
-                   all.rows.begin() + static_cast<std::ptrdiff_t>(end));
-  for (CameraRays::Row& row : some.rows) row.begin -= from;
-  some.rays.assign(all.rays.begin() + static_cast<std::ptrdiff_t>(from),
-                   all.rays.begin() + static_cast<std::ptrdiff_t>(to));
-  return some;
+void send_all(Communicator& ranks, const std::string& bytes) {
+  for (int rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, bytes);
 }
+
+/// Messages that go on during work of this rank. MPI passes long ones on in its calls only.
+class BusyCommunicator final : public Communicator {
+ public:
+  explicit BusyCommunicator(Communicator& ranks) : ranks_(ranks) {}
+  int rank() const override { return ranks_.rank(); }
+  int size() const override { return ranks_.size(); }
+  void send(int to, std::string bytes) override { ranks_.send(to, std::move(bytes)); }
+  std::optional<RankMessage> receive() override {
+    if (early_.empty()) return ranks_.receive();
+    RankMessage first = std::move(early_.front());
+    early_.pop_front();
+    return first;
+  }
+  template <class Task>
+  void during(const Task& task) {
+    std::atomic<bool> ended = false;
+    std::exception_ptr failure;
+    std::jthread worker([&] {
+      try {
+        task();
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      ended = true;
+    });
+    while (!ended) {
+      if (std::optional<RankMessage> message = ranks_.receive())
+        early_.push_back(std::move(*message));
+      else
+        std::this_thread::sleep_for(kPause);
+    }
+    if (failure) std::rethrow_exception(failure);
+  }
+
+ private:
+  static constexpr std::chrono::microseconds kPause{100};
+  Communicator& ranks_;
+  std::deque<RankMessage> early_;
+};
+
+/// The matrix, on rank 0.
+class SharedMatrix final : public LinearOperator {
+ public:
+  /// @param first row of each rank; then the number of rows
+  SharedMatrix(Communicator& ranks, std::vector<std::size_t> first, CsrMatrix<float> matrix,
+               const Execution& execution)
+      : ranks_(ranks), first_(std::move(first)), own_(std::move(matrix), execution) {
+    const auto own = own_.matrix().row_starts();
+    std::vector<std::int64_t> starts(own.begin(), own.end());
+    const std::vector<RankMessage> messages = answers(ranks_, execution.stop);
+    for (std::size_t rank = 1; rank < messages.size(); ++rank) {
+      const std::int64_t before = starts.back();
+      const auto of_rank = values_of<std::int64_t>(messages[rank]);
+      for (std::size_t i = 1; i < of_rank.size(); ++i) starts.push_back(before + of_rank[i]);
+    }
+    const std::vector<std::size_t> parts = csr_parts(starts, columns());
+    for (std::size_t rank = 0; rank < messages.size(); ++rank) {
+      std::vector<std::size_t> of_rank;
+      for (const std::size_t row : parts)
+        if (row >= first_[rank] && row <= first_[rank + 1]) of_rank.push_back(row - first_[rank]);
+      if (rank == 0)
+        own_.set_parts(of_rank);
+      else
+        ranks_.send(static_cast<int>(rank), message_of(kParts, of_rank));
+    }
+  }
+  std::size_t rows() const override { return first_.back(); }
+  std::size_t columns() const override { return own_.matrix().columns(); }
+
+  void apply(std::span<const double> x, std::span<double> y) const override {
+    const std::lock_guard lock(mutex_);
+    send_all(ranks_, message_of(kTimes, std::vector(x.begin(), x.end())));
+    gather([&] { return own_.times(x); }, y);
+  }
+
+  void apply_transpose(std::span<const double> y, std::span<double> x) const override {
+    const std::lock_guard lock(mutex_);
+    for (std::size_t rank = 1; rank + 1 < first_.size(); ++rank) {
+      const std::span<const double> part = of_rank(y, rank);
+      ranks_.send(static_cast<int>(rank),
+                  message_of(kTransposed, std::vector(part.begin(), part.end())));
+    }
+    TransposedSum sum{std::vector(columns(), 0.0), {}};
+    ranks_.during([&] {
+      own_.sum_up(of_rank(y, 0));
+      own_.add_to(sum);
+    });
+    ranks_.send(1, message_of(sum));
+    std::ranges::copy(sum_of(wait_for(ranks_, kSum)).whole, x.begin());
+  }
+
+  double squared_norm(std::span<const double> weights) const override {
+    const std::lock_guard lock(mutex_);
+    send_all(ranks_, std::string(1, kSquares));
+    std::vector<double> squares(rows());
+    gather([&] { return own_.squares(); }, squares);
+    double sum = 0;
+    for (std::size_t i = 0; i < squares.size(); ++i)
+      sum += squares[i] * (weights.empty() ? 1 : weights[i] * weights[i]);
+    return sum;
+  }
+
+ private:
+  template <class Value>
+  std::span<Value> of_rank(std::span<Value> all, std::size_t rank) const {
+    return all.subspan(first_[rank], first_[rank + 1] - first_[rank]);
+  }
+  /// Puts the numbers of all rows in order: this rank's and the answers.
+  template <class Own>
+  void gather(const Own& own, std::span<double> all) const {
+    ranks_.during([&] { std::ranges::copy(own(), all.begin()); });
+    const std::vector<RankMessage> messages = answers(ranks_);
+    for (std::size_t rank = 1; rank < messages.size(); ++rank)
+      std::ranges::copy(values_of<double>(messages[rank]), of_rank(all, rank).begin());
+  }
+
+  mutable BusyCommunicator ranks_;
+  std::vector<std::size_t> first_;
+  mutable OwnRows own_;
+  mutable std::mutex mutex_;
+};
+
+/// The rows of a rank above 0, and its part in products.
+class ServedRows {
+ public:
+  ServedRows(const std::vector<CameraView>& views, const Unknowns& unknowns, Communicator& ranks,
+             const Execution& execution)
+      : views_(views), ranks_(ranks), execution_(execution) {
+    problem_.unknowns = &unknowns;
+  }
+
+  void take(const RankMessage& message) {
+    RankReader reader(std::string_view(message.bytes).substr(1));
+    switch (message.bytes.front()) {
+      case kForget:
+        own_.reset();
+        rays_ = {};
+        break;
+      case kDraw: {
+        const auto windows = reader.get_all<DrawnWindow>();
+        const auto box = reader.get<Box>();
+        rays_ = drawn_rays(views_, windows, box, reader.get<CameraRaySettings>(), execution_);
+        ranks_.send(0, rows_message(rays_));
+        break;
+      }
+      case kModel:
+        problem_.model = reader.get<RowModel>();
+        problem_.absorption = reader.get_all<double>();
+        break;
+      case kEntries: {
+        problem_.rays = &rays_;
+        const auto rows = reader.get_all<std::size_t>();
+        ranks_.send(0, message_of(kAnswer, std::vector{entries_of_rows(problem_, rows)}));
+        break;
+      }
+      case kMatrix: {
+        own_.emplace(take_matrix(problem_, rays_, reader.get<double>(), execution_), execution_);
+        const auto starts = own_->matrix().row_starts();
+        ranks_.send(0, message_of(kAnswer, std::vector(starts.begin(), starts.end())));
+        break;
+      }
+      case kParts:
+        own_->set_parts(reader.get_all<std::size_t>());
+        break;
+      case kTimes:
+        ranks_.send(0, message_of(kAnswer, own_->times(reader.get_all<double>())));
+        break;
+      case kSquares:
+        ranks_.send(0, message_of(kAnswer, own_->squares()));
+        break;
+      case kTransposed:
+        own_->sum_up(reader.get_all<double>());
+        is_summed_ = true;
+        pass_on();
+        break;
+      case kSum:
+        before_ = sum_of(message);
+        pass_on();
+        break;
+      default:
+        break;
+    }
+  }
+
+ private:
+  /// The sum of the ranks before may come first.
+  void pass_on() {
+    if (!is_summed_ || !before_) return;
+    own_->add_to(*before_);
+    ranks_.send((ranks_.rank() + 1) % ranks_.size(), message_of(*before_));
+    is_summed_ = false;
+    before_.reset();
+  }
+
+  const std::vector<CameraView>& views_;
+  Communicator& ranks_;
+  const Execution& execution_;
+  EmissionProblem problem_;
+  CameraRays rays_;
+  std::optional<OwnRows> own_;
+  bool is_summed_ = false;
+  std::optional<TransposedSum> before_;
+};
 
 }  // namespace
 
-/// Pieces, of which each is made here or elsewhere.
-struct SharedAssembly::Work {
-  std::size_t pieces = 0;
-  std::function<std::string(std::size_t)> message;
-  std::function<void(std::size_t, RankReader&)> take;
-  std::function<void(std::size_t)> make;
-};
-
-SharedAssembly::SharedAssembly(Communicator& ranks)
-    : ranks_(ranks),
-      out_(static_cast<std::size_t>(ranks.size()), 0),
-      ready_(static_cast<std::size_t>(ranks.size()), 0) {}
-
 SharedAssembly::~SharedAssembly() {
   try {
-    for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, std::string(1, kEnds));
+    send_all(ranks_, std::string(1, kEnds));
   } catch (const std::exception&) {
     // The run ends with an error of its own.
   }
 }
 
-/// @return whether a message had come
-bool SharedAssembly::take(const Work& work) {
-  const std::optional<RankMessage> message = ranks_.receive();
-  if (!message) return false;
-  const auto from = static_cast<std::size_t>(message->from);
-  RankReader reader(std::string_view(message->bytes).substr(1));
-  switch (message->bytes.front()) {
-    case kReady:
-      ready_.at(from) = 1;
-      break;
-    case kPiece:
-      --out_.at(from);
-      work.take(reader.get<std::size_t>(), reader);
-      break;
-    case rank_message::kFailed:
-      throw Error(message->bytes.substr(1));
-    default:
-      break;
-  }
-  return true;
-}
-
-void SharedAssembly::share(const Work& work, const Execution& execution) {
-  std::atomic<std::size_t> next = 0;  // the first piece that no rank has
-  std::exception_ptr failure;
-  std::atomic<bool> ends = false;
-  const auto out = [&] { return std::accumulate(out_.begin(), out_.end(), 0); };
-  std::jthread service([&] {
-    try {
-      while (!ends && !execution.stop.stop_requested() && (next < work.pieces || out() > 0)) {
-        const bool came = take(work);
-        for (int rank = 1; rank < ranks_.size(); ++rank) {
-          const auto r = static_cast<std::size_t>(rank);
-          while (ready_[r] && out_[r] < kAhead) {
-            const std::size_t piece = next++;
-            if (piece >= work.pieces) break;
-            ranks_.send(rank, work.message(piece));
-            ++out_[r];
-          }
-        }
-        if (!came) std::this_thread::sleep_for(kPause);
-      }
-    } catch (...) {
-      failure = std::current_exception();
-      next = work.pieces;
-    }
-  });
-  try {
-    while (!execution.stop.stop_requested()) {
-      const std::size_t piece = next++;
-      if (piece >= work.pieces) break;
-      work.make(piece);
-    }
-  } catch (...) {
-    ends = true;
-    service.join();
-    throw;
-  }
-  service.join();
-  if (failure) std::rethrow_exception(failure);
-  if (execution.stop.stop_requested()) throw Cancelled();
+void SharedAssembly::forget() {
+  own_ = {};
+  send_all(ranks_, std::string(1, kForget));
 }
 
 CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box& box,
-                                const CameraRaySettings& settings, const Execution& execution) {
-  // Micro-images lie across the pieces.
-  if (settings.bin < 1 || settings.cells != 0)
-    return draw_camera_rays(views, box, settings, execution);
-  const std::vector<DrawnPiece> pieces = pieces_of(views, settings);
-  if (pieces.size() < 2) return draw_camera_rays(views, box, settings, execution);
-  std::vector<CameraRays> made(pieces.size());
-  Execution quiet = execution;
-  quiet.progress = nullptr;
-  Work work;
-  work.pieces = pieces.size();
-  work.message = [&](std::size_t p) {
-    std::string bytes(1, kDraw);
-    put(bytes, p);
-    put(bytes, pieces[p].view);
-    put(bytes, pieces[p].window);
+                                OperatorForm form, const CameraRaySettings& settings,
+                                const Execution& execution) {
+  forget();
+  const auto ranks = static_cast<std::size_t>(ranks_.size());
+  const auto windows = windows_of_ranks(views, box, settings, ranks, execution);
+  std::vector<CameraView> own_views;
+  for (const DrawnWindow& own : windows[0])
+    own_views.push_back({views[own.view].scene, own.window});
+  const CameraRaySettings how = kept_or_drawn(form, own_views, box, settings, execution);
+  for (std::size_t rank = 1; rank < ranks; ++rank) {
+    std::string bytes = message_of(kDraw, windows[rank]);
     put(bytes, box);
-    put(bytes, settings);
-    return bytes;
-  };
-  work.take = [&](std::size_t p, RankReader& reader) { made.at(p) = get_rays(reader); };
-  work.make = [&](std::size_t p) {
-    const DrawnPiece& piece = pieces[p];
-    made[p] = draw_piece(views[piece.view], piece.view, piece.window, box, settings, quiet);
-    if (execution.progress)
-      execution.progress({.fraction = static_cast<double>(p) / static_cast<double>(made.size())});
-  };
-  share(work, execution);
-  return joined(std::move(made));
+    put(bytes, how);
+    ranks_.send(static_cast<int>(rank), std::move(bytes));
+  }
+  own_ = drawn_rays(views, windows[0], box, how, execution);
+  std::vector<RankMessage> rows = answers(ranks_, execution.stop);
+  rows[0].bytes = rows_message(own_);
+  CameraRays all;
+  std::size_t count = 0;
+  first_.clear();
+  for (const RankMessage& message : rows) {
+    first_.push_back(all.rows.size());
+    append_rows(message, all, count);
+  }
+  first_.push_back(all.rows.size());
+  draw_again(views, box, settings, count, all);
+  return all;
 }
 
-CsrMatrix<float> SharedAssembly::matrix(const EmissionProblem& problem,
-                                        const Execution& execution) {
-  const CameraRays& all = *problem.rays;
-  if (all.source) return make_emission_matrix(problem, execution);
-  std::vector<std::size_t> begins{0};
-  for (std::size_t i = 1; i < all.rows.size(); ++i)
-    if (i - begins.back() >= kRowsOfPiece ||
-        all.end_of(i) - all.rows[begins.back()].begin > kRaysOfPiece)
-      begins.push_back(i);
-  if (begins.size() < 2) return make_emission_matrix(problem, execution);
+std::size_t SharedAssembly::entries(const EmissionProblem& problem) {
   std::string model(1, kModel);
   put(model, problem.model);
   put_all(model, problem.absorption);
-  for (int rank = 1; rank < ranks_.size(); ++rank) ranks_.send(rank, model);
-  const auto piece = [&](std::size_t p) {
-    return some_rows(all, begins[p], p + 1 < begins.size() ? begins[p + 1] : all.rows.size());
-  };
-  std::vector<CsrRows<float>> made(begins.size());
-  Execution quiet = execution;
-  quiet.progress = nullptr;
-  Work work;
-  work.pieces = made.size();
-  work.message = [&](std::size_t p) {
-    std::string bytes(1, kRows);
-    put(bytes, p);
-    put_rays(bytes, piece(p));
-    return bytes;
-  };
-  work.take = [&](std::size_t p, RankReader& reader) {
-    CsrRows<float>& rows = made.at(p);
-    rows.counts = reader.get_all<std::size_t>();
-    rows.columns = reader.get_all<std::int32_t>();
-    rows.values = reader.get_all<float>();
-  };
-  work.make = [&](std::size_t p) {
-    const CameraRays rays = piece(p);
+  send_all(ranks_, model);
+  const std::vector<std::size_t> sample = sampled_rows(*problem.rays);
+  if (sample.empty()) return 0;
+  std::size_t entries = 0;
+  for (std::size_t rank = first_.size() - 1; rank-- > 0;) {
+    std::vector<std::size_t> rows;
+    for (const std::size_t row : sample)
+      if (row >= first_[rank] && row < first_[rank + 1]) rows.push_back(row - first_[rank]);
+    if (rank > 0) {
+      ranks_.send(static_cast<int>(rank), message_of(kEntries, rows));
+      continue;
+    }
     EmissionProblem own = problem;
-    own.rays = &rays;
-    made[p] = make_emission_rows(own, quiet);
-    if (execution.progress)
-      execution.progress({.fraction = static_cast<double>(p) / static_cast<double>(made.size())});
-  };
-  share(work, execution);
-  return join_rows(std::move(made), problem.unknowns->size());
+    own.rays = &own_;
+    entries = entries_of_rows(own, rows);
+  }
+  for (const RankMessage& message : answers(ranks_))
+    if (message.from > 0) entries += values_of<std::size_t>(message).front();
+  return entries * problem.rays->rows.size() / sample.size();
 }
 
-CameraRays rays_by(SharedAssembly* assembly, OperatorForm form,
-                   const std::vector<CameraView>& views, const Box& box,
-                   const CameraRaySettings& settings, const Execution& execution) {
-  const CameraRaySettings how = kept_or_drawn(form, views, box, settings, execution);
-  return assembly && how.keep ? assembly->rays(views, box, how, execution)
-                              : draw_camera_rays(views, box, how, execution);
+std::unique_ptr<LinearOperator> SharedAssembly::matrix(const EmissionProblem& problem, double bytes,
+                                                       const Execution& execution) {
+  std::string message(1, kMatrix);
+  bytes /= ranks_.size();
+  put(message, bytes);
+  send_all(ranks_, message);
+  return std::make_unique<SharedMatrix>(ranks_, first_,
+                                        take_matrix(problem, own_, bytes, execution), execution);
 }
 
 bool serve_assembly(const std::vector<CameraView>& views, const Unknowns& unknowns,
                     Communicator& ranks, const Execution& execution) {
-  EmissionProblem problem;
-  problem.unknowns = &unknowns;
-  ranks.send(0, std::string(1, kReady));
+  ServedRows rows(views, unknowns, ranks, execution);
   for (;;) {
     const RankMessage message = wait_for_message(ranks);
-    RankReader reader(std::string_view(message.bytes).substr(1));
+    if (message.bytes.front() == kEnds) return true;
+    if (message.bytes.front() == rank_message::kQuit) return false;
+    const auto failed = [&](const std::string& what) {
+      ranks.send(0, rank_message::kFailed + what);
+    };
     try {
-      std::string answer(1, kPiece);
-      switch (message.bytes.front()) {
-        case kDraw: {
-          put(answer, reader.get<std::size_t>());
-          const auto view = reader.get<std::size_t>();
-          const auto window = reader.get<PixelWindow>();
-          const auto box = reader.get<Box>();
-          const auto settings = reader.get<CameraRaySettings>();
-          put_rays(answer, draw_piece(views.at(view), view, window, box, settings, execution));
-          ranks.send(0, std::move(answer));
-          break;
-        }
-        case kModel:
-          problem.model = reader.get<RowModel>();
-          problem.absorption = reader.get_all<double>();
-          break;
-        case kRows: {
-          put(answer, reader.get<std::size_t>());
-          const CameraRays rays = get_rays(reader);
-          problem.rays = &rays;
-          const CsrRows<float> rows = make_emission_rows(problem, execution);
-          put_all(answer, rows.counts);
-          put_all(answer, rows.columns);
-          put_all(answer, rows.values);
-          ranks.send(0, std::move(answer));
-          break;
-        }
-        case kEnds:
-          return true;
-        case rank_message::kQuit:
-          return false;
-        default:
-          break;
-      }
+      rows.take(message);
     } catch (const std::bad_alloc&) {
-      ranks.send(0, rank_message::kFailed + std::string("a rank has not enough memory"));
+      failed("a rank has not enough memory");
     } catch (const Cancelled&) {
-      ranks.send(0, rank_message::kFailed +
-                        std::string("a rank was stopped; the same command begins anew"));
+      failed("a rank was stopped; the same command begins anew");
     } catch (const std::exception& error) {
-      ranks.send(0, rank_message::kFailed + std::string(error.what()));
+      failed(error.what());
     }
   }
 }

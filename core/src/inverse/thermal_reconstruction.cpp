@@ -21,7 +21,6 @@
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/penalty.h"
 #include "plenoflame/inverse/posterior_chain.h"
-#include "plenoflame/inverse/shared_assembly.h"
 #include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
@@ -143,8 +142,8 @@ class ThermalSolver {
       const CameraRaySettings how =
           rays_of_channel(settings_.linear.rays, rays_.size(), pictures.channel);
       const Box box = input_.unknowns->bounds();
-      rays_.push_back(std::make_unique<CameraRays>(rays_by(
-          settings_.linear.assembly, settings_.linear.form, views_of(pictures), box, how, inner_)));
+      rays_.push_back(std::make_unique<CameraRays>(
+          rays_of_form(settings_.linear.form, views_of(pictures), box, how, inner_)));
       MeasuredRows measured = measured_rows(pictures.measurements, *rays_.back(), how.bin);
       take_away(behind(rays_.size() - 1, 1), measured);
       b_.insert(b_.end(), measured.flux.begin(), measured.flux.end());

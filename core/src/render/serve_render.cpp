@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <chrono>
 #include <deque>
 #include <exception>
@@ -16,7 +17,8 @@ namespace plenoflame {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kWait = 500us;  ///< interval of checks for messages
+constexpr auto kWait = 500us;  ///< longest interval of checks for messages
+constexpr auto kShortestWait = 10us;
 
 RenderSettings settings_from(const RankSettings& sent) {
   RenderSettings settings;
@@ -114,9 +116,13 @@ char serve_pass(const BackwardPass& pass, Film& film, Communicator& ranks,
 
 }  // namespace
 
-RankMessage wait_for_message(Communicator& ranks) {
-  for (;; std::this_thread::sleep_for(kWait))
+RankMessage wait_for_message(Communicator& ranks, const std::stop_token& stop) {
+  for (std::chrono::nanoseconds pause = kShortestWait;;
+       pause = std::min<std::chrono::nanoseconds>(pause * 5 / 4, kWait)) {
     if (std::optional<RankMessage> message = ranks.receive()) return std::move(*message);
+    if (stop.stop_requested()) throw Cancelled();
+    std::this_thread::sleep_for(pause);
+  }
 }
 
 bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,

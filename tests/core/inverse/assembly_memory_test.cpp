@@ -8,7 +8,6 @@
 
 #include "core/inverse/thread_ranks.h"
 #include "plenoflame/base/error.h"
-#include "plenoflame/inverse/shared_assembly.h"
 
 namespace plenoflame::test::assembly_memory_test {
 namespace {
@@ -31,10 +30,9 @@ class Limit {
   rlimit before_{};
 };
 
-// Rays that do not fit are drawn again, by ranks as by one process, or refused with their number
-// where they are to be kept. The bound by pixels, which is twenty times what they take here,
-// decides nothing by itself.
-TEST(SharedAssembly, RaysThatDoNotFitAreNotKept) {
+// Rays that do not fit are drawn again, or refused with their number where they are to be kept. The
+// bound by pixels, which is twenty times what they take here, decides nothing by itself.
+TEST(CameraRays, RaysThatDoNotFitAreNotKept) {
   double pages = 0;
   Cameras cameras = make_cameras(1, 64);
   const std::vector<CameraView> views = cameras.views();
@@ -43,9 +41,6 @@ TEST(SharedAssembly, RaysThatDoNotFitAreNotKept) {
   one.threads = 1;
   const auto rays =
       static_cast<double>(counted_camera_rays(views, box, cameras.settings, one).ray_count());
-  Post post(1);
-  ThreadRank first(post, 0);
-  SharedAssembly assembly(first);
   const auto kept = [&](OperatorForm form, double room) {
     std::ifstream("/proc/self/statm") >> pages;
     const Limit limit(pages, static_cast<rlim_t>(room));
@@ -61,14 +56,13 @@ TEST(SharedAssembly, RaysThatDoNotFitAreNotKept) {
   std::ifstream("/proc/self/statm") >> pages;
   {
     const Limit limit(pages, static_cast<rlim_t>(bytes));
-    const CameraRays shared =
-        rays_by(&assembly, OperatorForm::automatic, views, box, cameras.settings, one);
-    EXPECT_TRUE(shared.source != nullptr);
-    EXPECT_EQ(static_cast<double>(shared.ray_count()), rays);
+    const CameraRays drawn =
+        rays_of_form(OperatorForm::automatic, views, box, cameras.settings, one);
+    EXPECT_TRUE(drawn.source != nullptr);
+    EXPECT_EQ(static_cast<double>(drawn.ray_count()), rays);
   }
-  EXPECT_TRUE(
-      rays_by(&assembly, OperatorForm::automatic, views, box, cameras.settings, one).source ==
-      nullptr);
+  EXPECT_TRUE(rays_of_form(OperatorForm::automatic, views, box, cameras.settings, one).source ==
+              nullptr);
 }
 
 }  // namespace

@@ -6,7 +6,9 @@
 #include <map>
 
 #include "core/inverse/dense.h"
+#include "inverse/operators/csr_parts.h"
 #include "inverse/operators/followed_rows.h"
+#include "inverse/operators/own_rows.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "support/approx.h"
@@ -45,6 +47,44 @@ TEST(CsrMatrix, GivesTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(transposed_times(*one, y), transposed_times(*many, y));
   }
   EXPECT_LT(distance(transposed_times(*one, y), a.dense.transpose() * dense(y)), 1e-14);
+}
+
+// Cut anywhere: within parts, at their ends, into more pieces than there are parts, and without any
+// rows.
+TEST(OwnRows, TogetherHaveTheBitsOfTheWhole) {
+  const TwinMatrix a = random_matrix(3000, 200, 0.5, 4);
+  const auto x = random_vector(200, -1, 1, 5), y = random_vector(3000, -1, 1, 6);
+  const auto whole = make_csr_operator(a.sparse, threads(2));
+  const std::vector<std::size_t> parts = csr_parts(a.sparse.row_starts(), 200);
+  ASSERT_EQ(parts.size(), 5U);
+  for (const std::vector<std::size_t>& cuts : {std::vector<std::size_t>{0, 1000, 3000},
+                                               {0, parts[1], parts[3], 3000},
+                                               {0, 0, 10, 20, 20, 800, 2990, 3000, 3000},
+                                               {0, parts[2] - 1, parts[2], parts[2] + 1, 3000}}) {
+    std::vector<double> product;
+    TransposedSum sum{std::vector(200, 0.0), {}};
+    for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+      CsrRows<float> some;
+      std::vector<std::size_t> first;
+      for (std::size_t row = cuts[k]; row < cuts[k + 1]; ++row) {
+        const auto begin = a.sparse.row_starts()[row], end = a.sparse.row_starts()[row + 1];
+        some.counts.push_back(static_cast<std::size_t>(end - begin));
+        for (auto e = static_cast<std::size_t>(begin); e < static_cast<std::size_t>(end); ++e) {
+          some.columns.push_back(a.sparse.column_indices()[e]);
+          some.values.push_back(a.sparse.values()[e]);
+        }
+      }
+      for (const std::size_t row : parts)
+        if (row >= cuts[k] && row <= cuts[k + 1]) first.push_back(row - cuts[k]);
+      OwnRows own(join_rows<float>({some}, 200), threads(2));
+      own.set_parts(first);
+      for (const double value : own.times(x)) product.push_back(value);
+      own.sum_up(std::span(y).subspan(cuts[k], cuts[k + 1] - cuts[k]));
+      own.add_to(sum);
+    }
+    EXPECT_EQ(product, *whole * x);
+    EXPECT_EQ(sum.whole, transposed_times(*whole, y));
+  }
 }
 
 /// Rows of a formula: contributions of 1, 2 or 3 to columns that some of them meet twice.

@@ -1,99 +1,103 @@
-// Rays and matrices that several ranks make, against those of one process: the same bits.
+// A matrix that several ranks keep, against that of one process: the same bits.
 #include "plenoflame/inverse/shared_assembly.h"
 
 #include <gtest/gtest.h>
 
 #include <thread>
+#include <tuple>
 
+#include "core/inverse/random_vectors.h"
 #include "core/inverse/thread_ranks.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::test::shared_assembly_test {
 namespace {
 
-bool same(const CameraRay& a, const CameraRay& b) {
-  return a.origin == b.origin && a.direction == b.direction && a.weight == b.weight &&
-         a.end == b.end && a.replicate == b.replicate && a.part == b.part;
+EmissionProblem problem_of(const Cameras& cameras, const CameraRays& rays) {
+  return {&rays, cameras.unknowns.get(), RowModel::source,
+          std::vector<double>(cameras.unknowns->size(), 20)};
 }
 
-void expect_same(const CameraRays& a, const CameraRays& b) {
-  ASSERT_EQ(a.rows.size(), b.rows.size());
-  for (std::size_t i = 0; i < a.rows.size(); ++i) {
-    EXPECT_EQ(std::tie(a.rows[i].view, a.rows[i].column, a.rows[i].row, a.rows[i].begin),
-              std::tie(b.rows[i].view, b.rows[i].column, b.rows[i].row, b.rows[i].begin));
+CameraRays rays_by(SharedAssembly& assembly, const Cameras& cameras,
+                   const Execution& execution = {}) {
+  return assembly.rays(cameras.views(), cameras.unknowns->bounds(), OperatorForm::automatic,
+                       cameras.settings, execution);
+}
+
+Execution threads(int count) {
+  Execution execution;
+  execution.threads = count;
+  return execution;
+}
+
+/// Counts the bytes that a rank hands on.
+class Counting final : public Communicator {
+ public:
+  Counting(Post& post, int rank) : own_(post, rank) {}
+  int rank() const override { return own_.rank(); }
+  int size() const override { return own_.size(); }
+  void send(int to, std::string bytes) override {
+    most_ = std::max(most_, bytes.size());
+    own_.send(to, std::move(bytes));
   }
-  ASSERT_EQ(a.rays.size(), b.rays.size());
-  std::size_t different = 0;
-  for (std::size_t i = 0; i < a.rays.size(); ++i) different += !same(a.rays[i], b.rays[i]);
-  EXPECT_EQ(different, 0u);
+  std::optional<RankMessage> receive() override { return own_.receive(); }
+  std::size_t most() const { return most_; }
+
+ private:
+  ThreadRank own_;
+  std::size_t most_ = 0;
+};
+
+void expect_same_rows(const CameraRays& drawn, const CameraRays& kept) {
+  ASSERT_EQ(drawn.rows.size(), kept.rows.size());
+  for (std::size_t i = 0; i < kept.rows.size(); ++i) {
+    const CameraRays::Row &a = drawn.rows[i], &b = kept.rows[i];
+    EXPECT_EQ(std::tie(a.view, a.column, a.row, a.begin),
+              std::tie(b.view, b.column, b.row, b.begin));
+  }
+  EXPECT_EQ(drawn.ray_count(), kept.rays.size());
+  EXPECT_EQ(drawn.pixel_ends, kept.pixel_ends);
 }
 
-TEST(SharedAssembly, BitsOfOneProcess) {
-  // Pieces are beside each other and below each other; blocks of pixels lie across tiles.
-  for (const auto& [bin, samples] : {std::pair(1, 64), std::pair(3, 4)}) {
-    const Cameras cameras = make_cameras(bin, samples);
-    const Box box = cameras.unknowns->bounds();
-    const CameraRays alone = draw_camera_rays(cameras.views(), box, cameras.settings);
-    const std::vector<double> absorption(cameras.unknowns->size(), 20);
-    const auto problem = [&](const CameraRays& rays) {
-      return EmissionProblem{&rays, cameras.unknowns.get(), RowModel::source, absorption};
-    };
-    const CsrMatrix<float> matrix = make_emission_matrix(problem(alone), {});
-    ASSERT_GT(alone.rays.size(), bin == 1 ? 1u << 18 : 1u);  // pieces of rows
-    constexpr int kRanks = 3;
-    Post post(kRanks);
+TEST(SharedAssembly, HasTheBitsOfOneProcess) {
+  struct Case {
+    int bin, cells, samples, ranks;
+  };
+  for (const auto& [bin, cells, samples, ranks] :
+       {Case{1, 0, 16, 2}, Case{1, 0, 16, 5}, Case{3, 0, 8, 3}, Case{1, 1, 16, 3}}) {
+    Cameras cameras = make_cameras(bin, samples);
+    cameras.settings.cells = cells;
+    const CameraRays kept =
+        draw_camera_rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings);
+    const CsrMatrix<float> matrix = make_emission_matrix(problem_of(cameras, kept), {});
+    const auto alone = make_csr_operator(matrix);
+    Post post(ranks);
     std::vector<std::jthread> others;
-    for (int rank = 1; rank < kRanks; ++rank)
+    for (int rank = 1; rank < ranks; ++rank)
       others.emplace_back([&, rank] {
-        ThreadRank own(post, rank);
-        Execution execution;
-        execution.threads = rank;
-        EXPECT_TRUE(serve_assembly(cameras.views(), *cameras.unknowns, own, execution));
+        Counting own(post, rank);
+        EXPECT_TRUE(serve_assembly(cameras.views(), *cameras.unknowns, own, threads(rank)));
+        // Neither rays nor rows travel.
+        EXPECT_LT(own.most(), matrix.entries() * sizeof(float));
       });
     ThreadRank first(post, 0);
     SharedAssembly assembly(first);
-    const CameraRays rays = assembly.rays(cameras.views(), box, cameras.settings, {});
-    expect_same(rays, alone);
-    const CsrMatrix<float> shared = assembly.matrix(problem(rays), {});
-    EXPECT_TRUE(std::ranges::equal(shared.row_starts(), matrix.row_starts()));
-    EXPECT_TRUE(std::ranges::equal(shared.column_indices(), matrix.column_indices()));
-    EXPECT_TRUE(std::ranges::equal(shared.values(), matrix.values()));
+    const CameraRays rays = rays_by(assembly, cameras, threads(2));
+    expect_same_rows(rays, kept);
+    const EmissionProblem problem = problem_of(cameras, rays);
+    EXPECT_EQ(assembly.entries(problem), estimated_entries(problem_of(cameras, kept)));
+    const auto shared = assembly.matrix(problem, 1e6, threads(2));
+    ASSERT_EQ(shared->rows(), matrix.rows());
+    ASSERT_EQ(shared->columns(), matrix.columns());
+    const auto x = random_vector(matrix.columns(), 0, 1, 1);
+    const auto y = random_vector(matrix.rows(), -1, 1, 2);
+    for (int turn = 0; turn < 20; ++turn) {
+      ASSERT_EQ(*shared * x, *alone * x);
+      ASSERT_EQ(transposed_times(*shared, y), transposed_times(*alone, y));
+    }
+    EXPECT_EQ(shared->squared_norm(y), alone->squared_norm(y));
+    EXPECT_EQ(shared->squared_norm({}), alone->squared_norm({}));
   }
-}
-
-TEST(SharedAssembly, OthersDoSomeOfIt) {
-  const Cameras cameras = make_cameras(1, 4);
-  Post post(2);
-  int answers = 0;
-  std::jthread other([&] {
-    // Counts what it hands on to rank 0.
-    class Counting final : public Communicator {
-     public:
-      Counting(ThreadRank& own, int& count) : own_(own), count_(count) {}
-      int rank() const override { return own_.rank(); }
-      int size() const override { return own_.size(); }
-      void send(int to, std::string bytes) override {
-        ++count_;
-        own_.send(to, std::move(bytes));
-      }
-      std::optional<RankMessage> receive() override { return own_.receive(); }
-
-     private:
-      ThreadRank& own_;
-      int& count_;
-    };
-    ThreadRank own(post, 1);
-    Counting counting(own, answers);
-    serve_assembly(cameras.views(), *cameras.unknowns, counting, {});
-  });
-  ThreadRank first(post, 0);
-  {
-    SharedAssembly assembly(first);
-    for (int i = 0; i < 10; ++i)
-      assembly.rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings, {});
-  }
-  other.join();
-  EXPECT_GT(answers, 1);  // more than that it is there
 }
 
 TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
@@ -102,31 +106,42 @@ TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
   ThreadRank first(post, 0), other(post, 1);
   other.send(0, rank_message::kFailed + std::string("front.toml: cannot be opened"));
   SharedAssembly assembly(first);
-  // It is said when rank 0 next looks at its messages.
-  const auto all = [&] {
-    for (int i = 0; i < 10; ++i)
-      assembly.rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings, {});
-  };
   try {
-    all();
+    rays_by(assembly, cameras);
     FAIL() << "nothing is said";
   } catch (const Error& error) {
     EXPECT_STREQ(error.what(), "front.toml: cannot be opened");
   }
 }
 
-TEST(SharedAssembly, StopsWhenAsked) {
+TEST(SharedAssembly, RefusesWhatDoesNotFitIntoMemory) {
   const Cameras cameras = make_cameras(1, 4);
-  Post post(2);
+  Post post(1);
   ThreadRank first(post, 0);
   SharedAssembly assembly(first);
+  const CameraRays rays = rays_by(assembly, cameras);
+  EXPECT_THROW(assembly.matrix(problem_of(cameras, rays), 1e18, {}), InputError);
+}
+
+/// Another rank that never answers. The stop comes when somebody waits for it.
+class Silent final : public Communicator {
+ public:
+  int rank() const override { return 0; }
+  int size() const override { return 2; }
+  void send(int, std::string) override {}
+  std::optional<RankMessage> receive() override {
+    source.request_stop();
+    return std::nullopt;
+  }
   std::stop_source source;
-  source.request_stop();
+};
+
+TEST(SharedAssembly, StopsWhenAsked) {
+  Silent first;
+  SharedAssembly assembly(first);
   Execution execution;
-  execution.stop = source.get_token();
-  EXPECT_THROW(
-      assembly.rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings, execution),
-      Cancelled);
+  execution.stop = first.source.get_token();
+  EXPECT_THROW(rays_by(assembly, make_cameras(1, 4), execution), Cancelled);
 }
 
 }  // namespace

@@ -113,6 +113,11 @@ struct RaySource {
   std::vector<std::uint32_t> piece_of;  ///< of each row
 };
 
+/// Gives rows a source that draws their rays. @param views by the numbers in the rows
+/// @param count of the rays
+void draw_again(const std::vector<CameraView>& views, const Box& box,
+                const CameraRaySettings& settings, std::size_t count, CameraRays& rays);
+
 /// Hands out the rays of rows, for one thread, whether they are kept or drawn again. Read rows
 /// piece by piece: a row of another piece than the previous one causes all of its piece to be
 /// drawn.

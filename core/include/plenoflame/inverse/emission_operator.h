@@ -26,6 +26,10 @@ struct EmissionProblem {
 /// Entries that the stored matrix will have, from a sample of its rows: at 8 byte each.
 std::size_t estimated_entries(const EmissionProblem& problem);
 
+/// The rows of that sample, and the number of entries of some rows.
+std::vector<std::size_t> sampled_rows(const CameraRays& rays);
+std::size_t entries_of_rows(const EmissionProblem& problem, std::span<const std::size_t> rows);
+
 /// Lower bound of the number of entries, before rays are drawn. One ray per replicate finds the
 /// rows, and a sample of them is drawn in full. Three standard errors are subtracted. 0 if drawing
 /// all rays takes no longer.
@@ -36,9 +40,6 @@ double least_entries(const EmissionProblem& problem, const std::vector<CameraVie
 
 /// The matrix, row by row. The same for any number of threads. @throws Cancelled
 CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Execution& execution);
-
-/// The same as rows that become part of a larger matrix, some thousand of them.
-CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution);
 
 /// The same operator without a matrix: it follows the rays again in each product. Everything that
 /// `problem` points to must outlive it. The results of apply() and apply_transpose() do not depend

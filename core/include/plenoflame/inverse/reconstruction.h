@@ -76,7 +76,7 @@ struct ReconstructionSettings {
   int probes = 16;  ///< random vectors for the diagonal of the resolution matrix; 0: none
   OperatorForm form = OperatorForm::automatic;
   double memory = 2e9;  ///< [byte] that a stored matrix may take; above, rays are followed again
-  /// Other processes that draw rays and make rows of the matrix; nullptr: there are none.
+  /// Other processes that share the stored matrix; nullptr: there are none.
   SharedAssembly* assembly = nullptr;
   /// Called after each iteration, by the thread that reconstructs.
   std::function<void(const ReconstructionState&)> watch = {};

@@ -1,4 +1,5 @@
 #pragma once
+#include <memory>
 #include <vector>
 
 #include "plenoflame/base/communicator.h"
@@ -8,40 +9,42 @@
 
 namespace plenoflame {
 
-/// Draws the rays and makes the stored matrix of reconstructions together with other ranks, each of
-/// which is in serve_assembly(). Free ranks take the next piece of pictures or rows. The bits are
-/// those of draw_camera_rays() and make_emission_matrix(), for any number of ranks and threads.
-/// Rank 0 keeps rays and matrix, and solves by itself.
+/// The rays and the stored matrix of reconstructions, shared with other ranks, each of which is in
+/// serve_assembly(). A rank draws the rays of consecutive rows, makes these rows, keeps them, and
+/// multiplies with them. The ranks have about equal numbers of rays. All results have the bits of
+/// one process, for any number of ranks and threads. There is one matrix at a time.
 class SharedAssembly {
  public:
   /// The other ranks are on their way to serve_assembly(), with the same cameras and unknowns.
-  explicit SharedAssembly(Communicator& ranks);
+  explicit SharedAssembly(Communicator& ranks) : ranks_(ranks) {}
   /// The others leave serve_assembly().
   ~SharedAssembly();
   SharedAssembly(const SharedAssembly&) = delete;
   SharedAssembly& operator=(const SharedAssembly&) = delete;
 
-  /// @throws as draw_camera_rays(); Error with what another rank says is wrong
-  CameraRays rays(const std::vector<CameraView>& views, const Box& box,
+  int ranks() const { return ranks_.size(); }
+  /// The rows of all ranks. Each keeps the rays of its own until the matrix is made, or draws them
+  /// twice, where their memory is too large by the form. Here they are drawn again (RaySource).
+  /// Rows that are cells of micro-images are shared out by cameras.
+  /// @throws as rays_of_form(); Error with what another rank says is wrong
+  CameraRays rays(const std::vector<CameraView>& views, const Box& box, OperatorForm form,
                   const CameraRaySettings& settings, const Execution& execution);
-  /// @throws as make_emission_matrix(); Error with what another rank says is wrong
-  CsrMatrix<float> matrix(const EmissionProblem& problem, const Execution& execution);
+  /// Tells what rows are. Returns estimated_entries().
+  std::size_t entries(const EmissionProblem& problem);
+  /// The matrix as an operator, as make_csr_operator(). Its products do not end early, and throw
+  /// Error with what another rank says is wrong.
+  /// @param problem that of entries(), with these rays @param bytes of the whole matrix, estimated
+  /// @throws InputError: a rank has no memory for its rows; Error as the products; Cancelled
+  std::unique_ptr<LinearOperator> matrix(const EmissionProblem& problem, double bytes,
+                                         const Execution& execution);
+  /// Gives back all memory.
+  void forget();
 
  private:
-  struct Work;
-  void share(const Work& work, const Execution& execution);
-  bool take(const Work& work);
-
   Communicator& ranks_;
-  std::vector<int> out_;     ///< pieces that each rank has and has not answered
-  std::vector<char> ready_;  ///< ranks that have their cameras
+  CameraRays own_;
+  std::vector<std::size_t> first_;  ///< row of each rank; then the number of rows
 };
-
-/// rays_of_form(), by all ranks where there is an assembly and rays are kept. @param assembly
-/// nullptr: none
-CameraRays rays_by(SharedAssembly* assembly, OperatorForm form,
-                   const std::vector<CameraView>& views, const Box& box,
-                   const CameraRaySettings& settings, const Execution& execution);
 
 /// The part of a rank above 0, until rank 0 is done.
 /// @param views compiled from the scenes of rank 0, in its order @param unknowns as those of rank 0

@@ -1,4 +1,6 @@
 #pragma once
+#include <stop_token>
+
 #include "plenoflame/base/communicator.h"
 #include "plenoflame/base/execution.h"
 #include "plenoflame/scene/compile.h"
@@ -21,7 +23,8 @@ inline constexpr char kFailed = 'F';  ///< to rank 0: an error message; ends the
 bool serve_render(const CompiledScene& scene, const RankMessage& begin, Communicator& ranks,
                   const Execution& execution);
 
-/// Waits for the next message without using processor time.
-RankMessage wait_for_message(Communicator& ranks);
+/// Waits for the next message: some microseconds at first, then longer, without using processor
+/// time. @throws Cancelled
+RankMessage wait_for_message(Communicator& ranks, const std::stop_token& stop = {});
 
 }  // namespace plenoflame

@@ -308,6 +308,21 @@ std::span<const CameraRay> RowRays::of(std::size_t row) {
   return std::span(drawn_.rays).subspan(from, count);
 }
 
+void draw_again(const std::vector<CameraView>& views, const Box& box,
+                const CameraRaySettings& settings, std::size_t count, CameraRays& rays) {
+  const auto source = std::make_shared<RaySource>(RaySource{box, settings, count, {}, {}, {}});
+  source->settings.keep = true;
+  rays.source = source;
+  source->pieces = pieces_of(rays);
+  source->piece_of.resize(rays.rows.size());
+  for (std::size_t p = 0; p < source->pieces.count(); ++p) {
+    const std::span<const std::size_t> rows = source->pieces.of(p);
+    source->views.push_back(views[static_cast<std::size_t>(rays.rows[rows[0]].view)]);
+    source->views.back().window = window_around(rays, rows, settings.bin);
+    for (const std::size_t row : rows) source->piece_of[row] = static_cast<std::uint32_t>(p);
+  }
+}
+
 CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box,
                             const CameraRaySettings& settings, const Execution& execution) {
   if (settings.bin < 1) throw UsageError("blocks of pixels must be at least one pixel wide");
@@ -317,17 +332,7 @@ CameraRays draw_camera_rays(const std::vector<CameraView>& views, const Box& box
   if (!settings.keep) result.source = source;
   for (std::size_t v = 0; v < views.size(); ++v)
     source->rays += add_rows(views[v], static_cast<int>(v), box, settings, execution, result);
-  if (settings.keep) return result;
-  *source = {box, settings, source->rays, {}, {}, {}};
-  source->settings.keep = true;
-  source->pieces = pieces_of(result);
-  source->piece_of.resize(result.rows.size());
-  for (std::size_t p = 0; p < source->pieces.count(); ++p) {
-    const std::span<const std::size_t> rows = source->pieces.of(p);
-    source->views.push_back(views[static_cast<std::size_t>(result.rows[rows[0]].view)]);
-    source->views.back().window = window_around(result, rows, settings.bin);
-    for (const std::size_t row : rows) source->piece_of[row] = static_cast<std::uint32_t>(p);
-  }
+  if (!settings.keep) draw_again(views, box, settings, source->rays, result);
   return result;
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "inverse/operators/csr_parts.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame {
@@ -12,32 +13,15 @@ namespace {
 
 /// Rows that one task of A x works on.
 constexpr std::size_t kRowsOfTask = 1024;
-/// Largest number of separate partial sums of A^T y. They suffice for many threads, and adding them
-/// up takes little time compared with the entries.
-constexpr std::size_t kMostRowRanges = 64;
-constexpr std::size_t kEntriesOfPart = 1 << 16;
-/// A part's sums are cleared, and read at the end. These three passes are cheap for this number of
-/// entries per column.
-constexpr std::size_t kEntriesOfSum = 16;
 
 template <class Value>
 class CsrOperator final : public LinearOperator {
  public:
   CsrOperator(const CsrMatrix<Value>& matrix, Execution execution)
-      : matrix_(matrix), execution_(std::move(execution)) {
+      : matrix_(matrix),
+        execution_(std::move(execution)),
+        part_starts_(csr_parts(matrix.row_starts(), matrix.columns())) {
     execution_.progress = nullptr;
-    // Parts of about equal numbers of entries, by the matrix alone.
-    const std::size_t least =
-        std::max(kEntriesOfPart, kEntriesOfSum * std::max<std::size_t>(1, matrix.columns()));
-    const std::size_t parts = std::clamp<std::size_t>(matrix.entries() / least, 1, kMostRowRanges);
-    part_starts_.push_back(0);
-    const auto starts = matrix.row_starts();
-    for (std::size_t p = 1; p < parts; ++p) {
-      const auto entry = static_cast<std::int64_t>(matrix.entries() * p / parts);
-      const auto at = std::lower_bound(starts.begin(), starts.end() - 1, entry);
-      part_starts_.push_back(static_cast<std::size_t>(at - starts.begin()));
-    }
-    part_starts_.push_back(matrix.rows());
   }
 
   std::size_t rows() const override { return matrix_.rows(); }
@@ -55,7 +39,7 @@ class CsrOperator final : public LinearOperator {
     std::fill(x.begin(), x.end(), 0.0);
     const std::size_t parts = part_starts_.size() - 1;
     if (parts == 1) {
-      add_rows(0, rows(), y, x);
+      add_transposed(matrix_, 0, rows(), y, x);
       return;
     }
     // There are as many sums at a time as threads, added up in their order. Memory that was written
@@ -66,7 +50,8 @@ class CsrOperator final : public LinearOperator {
       sums.resize(std::min(sums.size(), parts - first));
       run(sums.size(), [&](std::size_t k, int) {
         sums[k].assign(columns(), 0.0);
-        add_rows(part_starts_[first + k], part_starts_[first + k + 1], y, sums[k]);
+        add_transposed(matrix_, part_starts_[first + k], part_starts_[first + k + 1], y,
+                       std::span<double>(sums[k]));
       });
       constexpr std::size_t kColumnsOfTask = 1 << 14;
       run((columns() + kColumnsOfTask - 1) / kColumnsOfTask, [&](std::size_t block, int) {
@@ -79,15 +64,8 @@ class CsrOperator final : public LinearOperator {
 
   double squared_norm(std::span<const double> weights) const override {
     double sum = 0;
-    const auto starts = matrix_.row_starts();
-    for (std::size_t row = 0; row < rows(); ++row) {
-      double of_row = 0;
-      for (auto k = starts[row]; k < starts[row + 1]; ++k) {
-        const auto value = static_cast<double>(matrix_.values()[static_cast<std::size_t>(k)]);
-        of_row += value * value;
-      }
-      sum += of_row * (weights.empty() ? 1 : weights[row] * weights[row]);
-    }
+    for (std::size_t row = 0; row < rows(); ++row)
+      sum += square_of_row(matrix_, row) * (weights.empty() ? 1 : weights[row] * weights[row]);
     return sum;
   }
 
@@ -113,23 +91,9 @@ class CsrOperator final : public LinearOperator {
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
 
-  void add_rows(std::size_t first, std::size_t end, std::span<const double> y,
-                std::span<double> x) const {
-    const auto starts = matrix_.row_starts();
-    const Value* const values = matrix_.values().data();
-    const std::int32_t* const columns = matrix_.column_indices().data();
-    for (std::size_t row = first; row < end; ++row) {
-      const double factor = y[row];
-      if (factor == 0) continue;
-      for (auto k = static_cast<std::size_t>(starts[row]);
-           k < static_cast<std::size_t>(starts[row + 1]); ++k)
-        x[static_cast<std::size_t>(columns[k])] += factor * static_cast<double>(values[k]);
-    }
-  }
-
   const CsrMatrix<Value>& matrix_;
   Execution execution_;
-  std::vector<std::size_t> part_starts_;  ///< first row of each part; then the number of rows
+  std::vector<std::size_t> part_starts_;  ///< csr_parts()
 };
 
 }  // namespace

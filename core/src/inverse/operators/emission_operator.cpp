@@ -71,6 +71,15 @@ std::size_t estimated_entries(const EmissionProblem& problem) {
   return estimate_entries(EmissionRows{problem});
 }
 
+std::vector<std::size_t> sampled_rows(const CameraRays& rays) {
+  return sampled_rows(pieces_of(rays));
+}
+
+std::size_t entries_of_rows(const EmissionProblem& problem, std::span<const std::size_t> rows) {
+  check(problem);
+  return entries_of(EmissionRows{problem}, rows);
+}
+
 double least_entries(const EmissionProblem& problem, const std::vector<CameraView>& views,
                      const CameraRaySettings& settings, const Execution& execution) {
   check(problem);
@@ -117,16 +126,6 @@ CsrMatrix<float> make_emission_matrix(const EmissionProblem& problem, const Exec
   check(problem);
   const EmissionRows rows{problem};
   return problem.rays->source ? store_pieces(rows, execution) : store_rows(rows, execution);
-}
-
-CsrRows<float> make_emission_rows(const EmissionProblem& problem, const Execution& execution) {
-  check(problem);
-  std::vector<std::int64_t> starts{0};
-  CsrRows<float> rows;
-  gather_rows(EmissionRows{problem}, execution, starts, rows.columns, rows.values);
-  for (std::size_t i = 0; i + 1 < starts.size(); ++i)
-    rows.counts.push_back(static_cast<std::size_t>(starts[i + 1] - starts[i]));
-  return rows;
 }
 
 std::unique_ptr<LinearOperator> make_emission_operator(const EmissionProblem& problem,

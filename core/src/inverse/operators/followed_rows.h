@@ -122,22 +122,32 @@ class FollowedOperator final : public LinearOperator {
   Execution execution_;
 };
 
+/// Evenly spread rows, of which the number of all entries is estimated.
+inline std::vector<std::size_t> sampled_rows(const RowPieces& pieces) {
+  const std::size_t step = std::max<std::size_t>(1, pieces.rows.size() / 200);
+  std::vector<std::size_t> rows;
+  for (std::size_t k = step / 2; k < pieces.rows.size(); k += step) rows.push_back(pieces.rows[k]);
+  return rows;
+}
+
+/// Number of the entries of some rows.
+template <class Rows>
+std::size_t entries_of(const Rows& all, std::span<const std::size_t> rows) {
+  auto walk = all.walk();
+  RowSum sum(all.columns());
+  std::size_t entries = 0;
+  for (const std::size_t row : rows) {
+    walk.follow(row, [&](std::size_t column, double value) { sum.add(column, value); });
+    sum.take([&](std::size_t, double) { ++entries; });
+  }
+  return entries;
+}
+
 /// Entries that the matrix will have, from a sample of its rows.
 template <class Rows>
 std::size_t estimate_entries(const Rows& all) {
-  const std::size_t rows = all.rows();
-  if (rows == 0) return 0;
-  const std::size_t step = std::max<std::size_t>(1, rows / 200);
-  const RowPieces pieces = all.pieces();
-  auto walk = all.walk();
-  RowSum sum(all.columns());
-  std::size_t entries = 0, looked_at = 0;
-  for (std::size_t k = step / 2; k < rows; k += step) {
-    walk.follow(pieces.rows[k], [&](std::size_t column, double value) { sum.add(column, value); });
-    sum.take([&](std::size_t, double) { ++entries; });
-    ++looked_at;
-  }
-  return looked_at > 0 ? entries * rows / looked_at : 0;
+  const std::vector<std::size_t> sample = sampled_rows(all.pieces());
+  return sample.empty() ? 0 : entries_of(all, sample) * all.rows() / sample.size();
 }
 
 /// Follows a row and adds its entries.
@@ -187,7 +197,8 @@ void gather_rows(const Rows& all, const Execution& execution, std::vector<std::i
 }
 
 /// The rows as a matrix, the same for any number of threads, made a piece at a time. Rays of a
-/// piece are drawn once. All entries are in memory twice for a moment. @throws Cancelled
+/// piece are drawn once. Pieces give back their memory as soon as they are copied. @throws
+/// Cancelled
 template <class Rows>
 CsrMatrix<float> store_pieces(const Rows& all, const Execution& execution) {
   const RowPieces pieces = all.pieces();
@@ -201,24 +212,32 @@ CsrMatrix<float> store_pieces(const Rows& all, const Execution& execution) {
                  [&](std::size_t row) { append_row(walk, row, *sum, parts[p]); });
   };
   for_pieces(execution, pieces.count(), task);
-  std::vector<std::int64_t> starts(all.rows() + 1, 0);
-  for (std::size_t p = 0; p < pieces.count(); ++p)
-    for (std::size_t k = 0; k < parts[p].counts.size(); ++k)
-      starts[pieces.of(p)[k] + 1] = static_cast<std::int64_t>(parts[p].counts[k]);
-  for (std::size_t row = 0; row < all.rows(); ++row) starts[row + 1] += starts[row];
-  std::vector<std::int32_t> indices(static_cast<std::size_t>(starts.back()));
-  std::vector<float> values(indices.size());
+  std::vector<std::uint32_t> piece_of(all.rows());
+  std::size_t entries = 0;
   for (std::size_t p = 0; p < pieces.count(); ++p) {
-    const CsrRows<float> part = std::exchange(parts[p], {});
-    auto column = part.columns.begin();
-    auto value = part.values.begin();
-    for (std::size_t k = 0; k < part.counts.size(); ++k) {
-      const auto count = static_cast<std::ptrdiff_t>(part.counts[k]);
-      const std::int64_t to = starts[pieces.of(p)[k]];
-      std::copy(column, column + count, indices.begin() + to);
-      std::copy(value, value + count, values.begin() + to);
-      column += count, value += count;
-    }
+    entries += parts[p].values.size();
+    for (const std::size_t row : pieces.of(p)) piece_of[row] = static_cast<std::uint32_t>(p);
+  }
+  std::vector<std::int64_t> starts{0};
+  std::vector<std::int32_t> indices;
+  std::vector<float> values;
+  starts.reserve(all.rows() + 1);
+  indices.reserve(entries);
+  values.reserve(entries);
+  struct Taken {
+    std::size_t rows = 0;
+    std::ptrdiff_t entries = 0;
+  };
+  std::vector<Taken> taken(pieces.count());
+  for (const std::uint32_t p : piece_of) {
+    CsrRows<float>& part = parts[p];
+    const std::ptrdiff_t from = taken[p].entries;
+    const auto count = static_cast<std::ptrdiff_t>(part.counts[taken[p].rows]);
+    indices.insert(indices.end(), part.columns.begin() + from, part.columns.begin() + from + count);
+    values.insert(values.end(), part.values.begin() + from, part.values.begin() + from + count);
+    starts.push_back(starts.back() + count);
+    taken[p] = {taken[p].rows + 1, from + count};
+    if (taken[p].rows == part.counts.size()) part = {};
   }
   return CsrMatrix<float>(all.columns(), std::move(starts), std::move(indices), std::move(values));
 }
