@@ -49,23 +49,14 @@ class Reader {
 };
 
 /// The states of a tile.
-constexpr char kNothing = 0, kSums = 1, kFinished = 2;
-
-char contents_of(const Film& film, int tile) {
-  if (film.is_finished(tile)) return kFinished;
-  return film.tile_sums(tile).empty() ? kNothing : kSums;
-}
+constexpr char kNothing = 0, kSums = 1;
 
 /// Calls `take` with the bytes of each tile that holds anything.
 template <class Take>
 void for_tiles(const Film& film, const Take& take) {
-  for (int tile = 0; tile < film.tile_count(); ++tile) {
-    const char contents = contents_of(film, tile);
-    if (contents == kSums) take(bytes_of(film.tile_sums(tile).data(), film.tile_sums(tile).size()));
-    if (contents != kFinished) continue;
-    const std::vector<float> values = film.finished_values(tile);
-    take(bytes_of(values.data(), values.size()));
-  }
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    if (const std::vector<double>& sums = film.tile_sums(tile); !sums.empty())
+      take(bytes_of(sums.data(), sums.size()));
 }
 
 void write_film(const Film& film, AtomicFile& file) {
@@ -76,7 +67,8 @@ void write_film(const Film& film, AtomicFile& file) {
       bytes_of(film.all_tile_samples().data(), film.all_tile_samples().size());
   // The tiles' states come first: only tiles with anything in them follow.
   std::string present;
-  for (int tile = 0; tile < film.tile_count(); ++tile) present += contents_of(film, tile);
+  for (int tile = 0; tile < film.tile_count(); ++tile)
+    present += film.tile_sums(tile).empty() ? kNothing : kSums;
   const std::uint64_t goal_count = film.tile_goals().size();
   const std::string_view goals = bytes_of(film.tile_goals().data(), film.tile_goals().size());
   Fnv sum;
@@ -137,18 +129,6 @@ Film read_film(Reader& reader, const std::string& path) {
   for (std::size_t i = 0; i < count; ++i) {
     const int tile = static_cast<int>(i);
     if (present[i] == kNothing) continue;
-    if (present[i] == kFinished) {
-      const std::string_view bytes = reader.take(film.finished_count(tile) * sizeof(float));
-      std::vector<float> values(bytes.size() / sizeof(float));
-      found.add(bytes);
-      std::memcpy(values.data(), bytes.data(), bytes.size());
-      try {
-        film.set_finished(tile, values);
-      } catch (const std::bad_alloc&) {  // a window that there is no memory for
-        throw damaged_state(path);
-      }
-      continue;
-    }
     if (present[i] != kSums) throw damaged_state(path);
     const std::string_view sums = reader.take(film.tile_values(tile) * sizeof(double));
     found.add(sums);

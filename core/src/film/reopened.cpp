@@ -28,27 +28,6 @@ std::vector<double> places_about_mean(int replicates) {
   return places;
 }
 
-void reopen(const Film& film, int tile, Film& open) {
-  const std::vector<float> values = film.finished_values(tile);
-  std::vector<double>& sums = open.tile_sums(tile);
-  const std::vector<double> places = places_about_mean(film.replicates());
-  const std::size_t pixels =
-      film.tile_values(tile) / static_cast<std::size_t>(film.channels()) / places.size();
-  const double samples = film.tile_samples(tile);
-  auto flux = values.begin();
-  auto sum = sums.begin();
-  for (int channel = 0; channel < film.channels(); ++channel) {
-    const auto error = flux + static_cast<std::ptrdiff_t>(pixels);
-    for (const double place : places)
-      for (std::size_t i = 0; i < pixels; ++i) {
-        const auto at = static_cast<std::ptrdiff_t>(i);
-        const double off = places.size() > 1 ? place * static_cast<double>(error[at]) : 0.0;
-        *sum++ = samples * (static_cast<double>(flux[at]) + off);
-      }
-    flux = error + static_cast<std::ptrdiff_t>(places.size() > 1 ? pixels : 0);
-  }
-}
-
 }  // namespace
 
 std::string tile_samples_text(const Film& film) {
@@ -100,37 +79,26 @@ Film film_of(const LightField& picture) {
   for (const LightFieldChannel& channel : picture.channels)
     if (count > 1 && channel.standard_error.empty())
       throw InputError("the light field has no standard errors, which more samples need");
-  const std::vector<double> samples = tile_samples_of(picture, count, film.tile_count());
-  std::vector<float> values;
+  film.all_tile_samples() = tile_samples_of(picture, count, film.tile_count());
+  const std::vector<double> places = places_about_mean(count);
   for (int tile = 0; tile < film.tile_count(); ++tile) {
     const PixelWindow pixels = film.tile(tile);
-    values.clear();
+    const double samples = film.tile_samples(tile);
+    std::vector<double> sums;
     for (const LightFieldChannel& channel : picture.channels)
-      for (const Image* image : {&channel.flux, &channel.standard_error}) {
-        if (count < 2 && image == &channel.standard_error) continue;
+      for (const double place : places)
         for (int row = 0; row < pixels.height; ++row)
-          for (int column = 0; column < pixels.width; ++column)
-            values.push_back(
-                image->at(pixels.x - picture.window.x + column, pixels.y - picture.window.y + row));
-      }
-    film.add_samples(tile, samples[static_cast<std::size_t>(tile)]);
-    if (std::any_of(values.begin(), values.end(), [](float value) { return value != 0; }))
-      film.set_finished(tile, values);
+          for (int column = 0; column < pixels.width; ++column) {
+            const int x = pixels.x - picture.window.x + column,
+                      y = pixels.y - picture.window.y + row;
+            const double off =
+                count > 1 ? place * static_cast<double>(channel.standard_error.at(x, y)) : 0;
+            sums.push_back(samples * (static_cast<double>(channel.flux.at(x, y)) + off));
+          }
+    if (std::any_of(sums.begin(), sums.end(), [](double sum) { return sum != 0; }))
+      film.tile_sums(tile) = std::move(sums);
   }
   return film;
-}
-
-Film reopened(const Film& film) {
-  Film open(film.window(), film.channels(), film.replicates());
-  open.all_tile_samples() = film.all_tile_samples();
-  open.tile_goals() = film.tile_goals();
-  for (int tile = 0; tile < film.tile_count(); ++tile) {
-    if (film.is_finished(tile))
-      reopen(film, tile, open);
-    else if (!film.tile_sums(tile).empty())
-      open.tile_sums(tile) = film.tile_sums(tile);
-  }
-  return open;
 }
 
 }  // namespace plenoflame

@@ -23,23 +23,47 @@ struct Surface {
   std::vector<double> emission;  ///< per channel; empty: dark
 };
 
+/// The single-precision number next above.
+float up(double value) {
+  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
+}
+
 /// The data of the callbacks of one ray. Embree hands back the pointer to its first member.
 struct Query {
-  RTCIntersectContext context{};
-  Ray ray;           ///< world
-  Vec3 origin;       ///< relative to the centre
-  double shift = 0;  ///< of the origin along the ray as it was given
-  double t_near = 0, t_far = 0;
+  /// @param begin [m] along the ray, where the query begins
+  Query(const Ray& whole, double begin, double end, Vec3 centre, SurfacePart part)
+      : ray{begin == 0 ? whole.origin : whole.at(begin), whole.direction},
+        origin(ray.origin - centre),
+        shift(begin),
+        t_far(end - begin),
+        from(part) {
+    rtcInitIntersectContext(&context);
+  }
+  void set(RTCRay& single) const {
+    single.org_x = static_cast<float>(origin.x);
+    single.org_y = static_cast<float>(origin.y);
+    single.org_z = static_cast<float>(origin.z);
+    single.dir_x = static_cast<float>(ray.direction.x);
+    single.dir_y = static_cast<float>(ray.direction.y);
+    single.dir_z = static_cast<float>(ray.direction.z);
+    single.tnear = 0;
+    single.tfar = up(t_far);
+    single.time = 0;
+    single.mask = ~0u;
+    single.id = 0;
+    single.flags = 0;
+  }
+
+  RTCIntersectContext context;
+  Ray ray;       ///< world
+  Vec3 origin;   ///< relative to the centre
+  double shift;  ///< of the origin along the ray as it was given
+  double t_near = 0, t_far;
   SurfacePart from, found;
 };
 
 Query& query_of(RTCIntersectContext* context) {
   return *reinterpret_cast<Query*>(context);
-}
-
-/// The single-precision number next above.
-float up(double value) {
-  return std::nextafter(static_cast<float>(value), std::numeric_limits<float>::infinity());
 }
 
 class EmbreeScene final : public SurfaceScene {
@@ -86,8 +110,7 @@ class EmbreeScene final : public SurfaceScene {
   void add_shapes();
   void add_mesh(unsigned id, const TriangleMesh& mesh);
   void check_device() const;
-  bool start(Query& query, const Ray& ray, double t_near, double t_far, SurfacePart from,
-             RTCRay& single) const;
+  bool comes_near(const Ray& ray, double t_near, double t_far, double& begin) const;
   void describe_hit(const Ray& ray, SurfaceHit& hit) const;
 
   static void shape_bounds(const RTCBoundsFunctionArguments* args);
@@ -313,37 +336,16 @@ void EmbreeScene::filter_triangle(const RTCFilterFunctionNArguments* args) {
   query.found = part;
 }
 
-/// Prepares a query of Embree. @return false when the ray cannot meet anything with an end
-bool EmbreeScene::start(Query& query, const Ray& ray, double t_near, double t_far, SurfacePart from,
-                        RTCRay& single) const {
+/// @param begin where the ray enters the sphere: single precision then counts from nearby
+/// @return false when the ray cannot meet anything with an end
+bool EmbreeScene::comes_near(const Ray& ray, double t_near, double t_far, double& begin) const {
   if (!scene_) return false;
   const Vec3 to_centre = centre_ - ray.origin;
   const double nearest = dot(to_centre, ray.direction);
   const Vec3 miss = to_centre - nearest * ray.direction;
   const double reach = radius_ * (1 + 1e-9);  // for the rounding of this line alone
-  if (dot(miss, miss) > reach * reach || nearest - reach > t_far || nearest + reach < t_near)
-    return false;
-  // From where it enters the sphere on: single precision then counts from nearby.
-  const double shift = query.shift = std::max(t_near, nearest - reach);
-  query.ray = {shift == 0 ? ray.origin : ray.at(shift), ray.direction};
-  query.origin = query.ray.origin - centre_;
-  query.t_near = 0;
-  query.t_far = t_far - shift;
-  query.from = from;
-  single.org_x = static_cast<float>(query.origin.x);
-  single.org_y = static_cast<float>(query.origin.y);
-  single.org_z = static_cast<float>(query.origin.z);
-  single.dir_x = static_cast<float>(ray.direction.x);
-  single.dir_y = static_cast<float>(ray.direction.y);
-  single.dir_z = static_cast<float>(ray.direction.z);
-  single.tnear = 0;
-  single.tfar = up(query.t_far);
-  single.time = 0;
-  single.mask = ~0u;
-  single.id = 0;
-  single.flags = 0;
-  rtcInitIntersectContext(&query.context);
-  return true;
+  begin = std::max(t_near, nearest - reach);
+  return !(dot(miss, miss) > reach * reach || nearest - reach > t_far || nearest + reach < t_near);
 }
 
 bool EmbreeScene::intersect(const Ray& ray, double t_near, double t_far, SurfacePart from,
@@ -356,9 +358,11 @@ bool EmbreeScene::intersect(const Ray& ray, double t_near, double t_far, Surface
     t_far = hit.t;
     hit.where = {i, part};
   }
-  Query query;
-  RTCRayHit single;
-  if (start(query, ray, t_near, t_far, from, single.ray)) {
+  double begin = 0;
+  if (comes_near(ray, t_near, t_far, begin)) {
+    Query query(ray, begin, t_far, centre_, from);
+    RTCRayHit single;
+    query.set(single.ray);
     single.hit.geomID = RTC_INVALID_GEOMETRY_ID;
     single.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
     rtcIntersect1(scene_, &query.context, &single);
@@ -378,9 +382,11 @@ bool EmbreeScene::occluded(const Ray& ray, double t_near, double t_far, SurfaceP
     if (at(i).shape->intersect(ray, t_near, t_far, from.surface == i ? from.part : kNoPart, t) !=
         kNoPart)
       return true;
-  Query query;
+  double begin = 0;
+  if (!comes_near(ray, t_near, t_far, begin)) return false;
+  Query query(ray, begin, t_far, centre_, from);
   RTCRay single;
-  if (!start(query, ray, t_near, t_far, from, single)) return false;
+  query.set(single);
   rtcOccluded1(scene_, &query.context, &single);
   return query.found.surface >= 0;
 }

@@ -1,9 +1,7 @@
 #include "plenoflame/film/film.h"
 
 #include <cmath>
-#include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "support/approx.h"
 
@@ -66,58 +64,6 @@ TEST(Film, TilesWithoutLightTakeNoMemory) {
   EXPECT_EQ(kept.tile_sums(1).size(), static_cast<std::size_t>(4 * Film::kTile));
   EXPECT_TRUE(kept.tile_sums(2).empty());
   EXPECT_EQ(kept.sum(0, 0, 5, 0), 0);
-}
-
-/// Tiles of three sizes, of which one gets nothing.
-Film film_of_numbers(int replicates) {
-  const PixelWindow w{7, 5, 2 * Film::kTile + 3, Film::kTile + 2};
-  Film film(w, 2, replicates);
-  for (int row = w.y; row < w.y + w.height; ++row)
-    for (int column = w.x; column < w.x + w.width; ++column)
-      for (int c = 0; c < 2 && column >= w.x + Film::kTile; ++c)
-        for (int r = 0; r < replicates; ++r)
-          film.sum(c, r, column, row) = 1 + (column * 31 + row * 17 + c * 7 + r * r) % 101;
-  for (int tile = 0; tile < film.tile_count(); ++tile) film.add_samples(tile, 1 + tile);
-  return film;
-}
-
-// The images() of a film are the same whichever of its tiles are finished, and however it
-// was taken.
-TEST(Film, FinishedTilesKeepTheirImages) {
-  for (const int replicates : {1, 2, 5}) {
-    const Film open = film_of_numbers(replicates);
-    Film film = open;
-    film.allow_finishing();
-    EXPECT_FALSE(film.has_finished_tiles());
-    for (const int tile : {0, 1, 4, 5}) film.finish(tile);
-    EXPECT_TRUE(film.has_finished_tiles());
-    EXPECT_FALSE(film.is_finished(0)) << "nothing came there";
-    EXPECT_TRUE(film.is_finished(1));
-    EXPECT_FALSE(film.is_finished(2));
-    EXPECT_TRUE(std::as_const(film).tile_sums(1).empty());
-    EXPECT_THROW(film.sum(0, 0, 7 + Film::kTile, 5) = 1, std::logic_error);
-    EXPECT_THROW(std::as_const(film).sum(0, 0, 7 + Film::kTile, 5), std::logic_error);
-    EXPECT_THROW(film.forbid_finishing(), std::logic_error);
-    EXPECT_EQ(film.lit_parts(), open.lit_parts());
-    EXPECT_EQ(film.lit_parts().size(), 4U);
-    for (int c = 0; c < 2; ++c) {
-      EXPECT_TRUE(film.images(c) == open.images(c));
-      EXPECT_GT(film.images(c).flux.at(Film::kTile, 0), 0);
-    }
-    // In another film, as a file would hold them.
-    Film copy(film.window(), 2, replicates);
-    for (int tile = 0; tile < film.tile_count(); ++tile) copy.add_samples(tile, 1 + tile);
-    for (const int tile : {1, 4, 5}) copy.set_finished(tile, film.finished_values(tile));
-    copy.tile_sums(2) = std::as_const(film).tile_sums(2);
-    EXPECT_TRUE(copy == film);
-    EXPECT_THROW(copy.set_finished(2, film.finished_values(2)), std::logic_error);
-    EXPECT_THROW(copy.set_finished(0, {1, 2}), std::logic_error);
-    EXPECT_FALSE(film.is_taken());
-    for (int c = 0; c < 2; ++c) EXPECT_TRUE(film.take_images(c) == open.images(c));
-    EXPECT_TRUE(film.is_taken());
-    EXPECT_THROW(film.images(0), std::logic_error);
-    EXPECT_THROW(film.finished_values(1), std::logic_error);
-  }
 }
 
 TEST(Film, OneReplicateHasNoStandardError) {

@@ -196,7 +196,6 @@ TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
   const CompiledScene scene = cloud_scene(true);
   RenderSettings settings;
   settings.samples = 64;
-  settings.keep_sums = true;
   double added = 0, squares = 0, bound = 0, clamped = 0, cut_off = 0;
   constexpr int kRuns = 12;
   for (int run = 0; run < kRuns; ++run) {

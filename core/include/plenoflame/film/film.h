@@ -18,8 +18,7 @@ struct FilmImages {
 /// The sums that an estimator has gathered: for each pixel and channel one sum per replicate
 /// (independent repetition), in double precision. Up to 8 rays are first summed in their own
 /// precision. The mean over replicates is the estimate; their scatter gives its standard error.
-/// Tiles without light take no memory. A finished tile keeps only the estimate and its standard
-/// error, which takes less memory.
+/// Tiles without light take no memory.
 class Film {
  public:
   Film() = default;
@@ -44,7 +43,6 @@ class Film {
 
   /// Sums of a tile, ordered by channel, replicate and pixel (row by row). The first call allocates
   /// zeros; empty before.
-  /// @throws std::logic_error when the tile is finished
   std::vector<double>& tile_sums(int tile);
   const std::vector<double>& tile_sums(int tile) const {
     return sums_[static_cast<std::size_t>(tile)];
@@ -57,37 +55,11 @@ class Film {
   std::size_t tile_values(int tile) const;  ///< how many sums a tile has
 
   /// Sum of one replicate. `column`, `row` count on the whole sensor.
-  /// @throws std::logic_error in a finished tile
   double& sum(int channel, int replicate, int column, int row);
   double sum(int channel, int replicate, int column, int row) const;
 
   /// Estimate and its standard error by each tile's own number of samples; 0 where there are none.
-  /// @throws std::logic_error when they were taken (take_images())
   FilmImages images(int channel, const Execution& execution = {}) const;
-
-  /// Allows tiles to be finished and reserves memory for their values. Not while others work on the
-  /// film.
-  void allow_finishing();
-  /// Reverses allow_finishing(). @throws std::logic_error when tiles are finished
-  void forbid_finishing();
-  bool allows_finishing() const { return !finished_.empty(); }
-  /// Call it when all samples of the tile have been added. It replaces the tile's sums by the
-  /// values that images() computes from them.
-  void finish(int tile);
-  bool is_finished(int tile) const { return tile_finished_[static_cast<std::size_t>(tile)] != 0; }
-  bool has_finished_tiles() const;
-  /// Tells whether take_images() has removed the images of finished tiles.
-  bool is_taken() const;
-  /// The values kept of a finished tile: of each channel the flux, row by row, then (with more than
-  /// one replicate) its standard error.
-  /// @throws std::logic_error when it is gone (take_images())
-  std::vector<float> finished_values(int tile) const;
-  /// Turns an empty tile into a finished one. @param values as many as finished_values() gives
-  void set_finished(int tile, const std::vector<float>& values);
-  std::size_t finished_count(int tile) const;  ///< how many that are
-
-  /// images(), without a copy: the film is left without the channel's finished tiles.
-  FilmImages take_images(int channel, const Execution& execution = {});
 
   /// The tiles, from the corner of such an image, that hold light. Outside of them every channel is
   /// 0.
@@ -109,18 +81,13 @@ class Film {
     return (row - window_.y) / kTile * tiles_across() + (column - window_.x) / kTile;
   }
   std::size_t index_in_tile(int tile, int channel, int replicate, int column, int row) const;
-  bool is_lit(int tile) const {
-    return is_finished(tile) || (!tile_sums(tile).empty() && tile_samples(tile) > 0);
-  }
-  FilmImages make_images() const;
+  bool is_lit(int tile) const { return !tile_sums(tile).empty() && tile_samples(tile) > 0; }
   void develop(int tile, int channel, FilmImages& images) const;
 
   PixelWindow window_;
   int channels_ = 0, replicates_ = 0;
   std::vector<std::vector<double>> sums_;
   std::vector<double> tile_samples_, tile_goals_;
-  std::vector<FilmImages> finished_;          ///< of each channel; empty: no tile can be finished
-  std::vector<unsigned char> tile_finished_;  ///< 1: it is (no bits: threads write side by side)
 };
 
 /// Relative RMSE that a flux image has by its own standard errors: root mean square of the errors

@@ -20,14 +20,11 @@ std::string tile_samples_text(const Film& film);
 /// @throws InputError when the light field does not say how many samples it has
 std::vector<double> tile_samples_of(const LightField& picture, int replicates, int tiles);
 
-/// The film of a rendered picture, as far as the picture tells: every lit tile is finished.
+/// A film of a rendered picture, which accepts more samples. The picture holds only the mean over
+/// replicates and their scatter, in single precision. The replicates of the film are placed evenly
+/// about the mean, so that estimate and standard error are those of the picture. With further
+/// samples, both become those of all samples together.
 /// @throws InputError when the light field does not say how many samples it has
 Film film_of(const LightField& picture);
-
-/// Copy of `film` without finished tiles, which accepts more samples everywhere. A finished tile
-/// knows only the mean over replicates and their scatter, in single precision. The new replicates
-/// are placed evenly about the mean, so that estimate and standard error are unchanged. With
-/// further samples, both become those of all samples together.
-Film reopened(const Film& film);
 
 }  // namespace plenoflame

@@ -50,14 +50,10 @@ struct RenderSettings {
   /// rays so that the mean stays unbiased. With false, every ray is integrated.
   bool control_variate = true;
   bool standard_error = true;
-  /// Keeps the sums of all tiles. With false and a fixed number of samples, each tile is finished
-  /// (Film::finish()) as soon as it is complete, which saves memory.
-  bool keep_sums = false;
   Precision precision = Precision::automatic;
   Isa isa = best_isa();
   /// A film of the same scene and settings to continue from, with the same result as without a
-  /// break. A film with finished tiles (see keep_sums) requires a fixed number of samples and must
-  /// be incomplete.
+  /// break.
   const Film* resume = nullptr;
   /// Other processes that trace tiles for this one, which is their rank 0 (ranks.h); nullptr: none.
   /// The result does not depend on them. The forward estimator does not use them.

@@ -140,7 +140,6 @@ void run_plans(const std::vector<PathPlans<Real>>& plans, const NextTile& next,
       new_rays += tracer.rays();
     }
     film.add_samples(job.tile, paths.front()->points.points);
-    if (film.allows_finishing()) film.finish(job.tile);
     const std::lock_guard lock(mutex);
     ++done;
     if (tile_done) tile_done(job, new_rays);

@@ -128,7 +128,6 @@ bool RankTiles::take(const RankMessage& message, Film* film, const TileDone* til
       std::vector<double> sums = reader.get_all<double>();
       if (!sums.empty()) film->tile_sums(job.tile) = std::move(sums);
       film->add_samples(job.tile, ranges_[job.range].points);
-      if (film->allows_finishing()) film->finish(job.tile);
       if (*tile_done) (*tile_done)(job, rays);
       return true;
     }

@@ -46,15 +46,6 @@ std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettin
   return list;
 }
 
-/// Tells whether the settings need more samples, or the sums, of tiles that are finished.
-bool takes_more(const Film& film, const RenderSettings& settings) {
-  if (!film.has_finished_tiles()) return false;
-  if (!has_fixed_samples(settings) || settings.keep_sums) return true;
-  for (int t = 0; t < film.tile_count(); ++t)
-    if (film.is_finished(t) && film.tile_samples(t) < samples_per_replicate(settings)) return true;
-  return false;
-}
-
 /// Statistics before any work is done.
 void begin_statistics(const CompiledScene& scene, const RenderSettings& settings,
                       const Execution& execution, RenderStatistics& statistics) {
@@ -71,8 +62,7 @@ void begin_statistics(const CompiledScene& scene, const RenderSettings& settings
   if (scene.surfaces) statistics.surfaces_description = scene.surfaces->description();
 }
 
-/// Makes the light field of a film, with its statistics and warnings. If statistics.complete is
-/// set, the images are taken out of the film.
+/// Makes the light field of a film, with its statistics and warnings.
 void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
                     const Execution& execution, RenderResult& result) {
   const SensorSpec& sensor = scene.scene.camera.sensor;
@@ -80,7 +70,7 @@ void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
   const int channels = static_cast<int>(scene.scene.channels.size());
   const bool forward = settings.estimator == Estimator::forward;
   RenderStatistics& statistics = result.statistics;
-  Film& film = result.film;
+  const Film& film = result.film;
   LightField& field = result.light_field;
   field.sensor_width = sensor.columns;
   field.sensor_height = sensor.rows;
@@ -88,9 +78,7 @@ void finish_picture(const CompiledScene& scene, const RenderSettings& settings,
   for (int c = 0; c < channels; ++c) {
     LightFieldChannel channel;
     channel.name = scene.scene.channels[static_cast<std::size_t>(c)].name;
-    // A film to be continued keeps its sums.
-    FilmImages images =
-        statistics.complete ? film.take_images(c, execution) : film.images(c, execution);
+    FilmImages images = film.images(c, execution);
     channel.flux = std::move(images.flux);
     if (settings.standard_error) channel.standard_error = std::move(images.standard_error);
     field.channels.push_back(std::move(channel));
@@ -155,10 +143,7 @@ RenderResult render(const CompiledScene& scene, const RenderSettings& settings,
     if (!(settings.resume->window() == window) || settings.resume->channels() != channels ||
         settings.resume->replicates() != settings.replicates)
       throw UsageError("the film to go on from has another window, channels or replicates");
-    if (settings.resume->is_taken())
-      throw UsageError("the film to go on from is that of a picture that is complete");
-    film = takes_more(*settings.resume, settings) ? reopened(*settings.resume) : *settings.resume;
-    if (!film.has_finished_tiles()) film.forbid_finishing();  // these settings decide
+    film = *settings.resume;
   }
   if (has_content(scene)) {
     if (forward) {

@@ -140,7 +140,6 @@ void render_fixed(const Run& run, int points) {
     else if (film.tile_samples(t) < points)
       groups[static_cast<int>(film.tile_samples(t))].push_back(t);
   run.progress.foresee(film, goals);
-  if (!run.settings.keep_sums) run.film.allow_finishing();
   run.statistics.complete = true;
   for (const auto& [done, tiles] : groups) {
     std::vector<TileJob> jobs;

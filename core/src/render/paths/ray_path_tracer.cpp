@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "plenoflame/math/ray_span.h"
-#include "render/transport/medium_segments.h"
 
 namespace plenoflame {
 
@@ -216,24 +215,6 @@ void PathTracer::add_from_scene(const Ray& from, RayPath& ray, RayPaths& paths) 
                   between && last ? 1 : index_behind(step, ray.type, false));
   }
   vertices.finish();
-}
-
-CarriedLight carried_along(const Medium& medium, std::span<const AirSegment> stretches) {
-  MediumSegments segments(&medium, {});
-  for (const AirSegment& stretch : stretches) segments.add(stretch.ray, stretch.far);
-  MediumCounters counters;
-  segments.integrate(true, counters);
-  const auto nodes = static_cast<std::size_t>(medium.channel_count());
-  CarriedLight light{std::vector<double>(nodes), {std::vector<double>(nodes, 1.0)}};
-  for (std::size_t k = 0; k < stretches.size(); ++k) {
-    light.passed.push_back(light.passed.back());
-    for (std::size_t n = 0; n < nodes; ++n) {
-      light.radiance[n] +=
-          stretches[k].throughput * light.passed[k][n] * segments.radiance(k, static_cast<int>(n));
-      light.passed[k + 1][n] *= segments.transmittance(k, n);
-    }
-  }
-  return light;
 }
 
 }  // namespace plenoflame

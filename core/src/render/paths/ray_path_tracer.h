@@ -45,11 +45,4 @@ class PathTracer {
   CameraAim aim_;
 };
 
-/// The light that a path in the world carries, seen from its first point.
-struct CarriedLight {
-  std::vector<double> radiance;             ///< of the medium, at each node
-  std::vector<std::vector<double>> passed;  ///< transmittance of the medium up to a stretch
-};
-CarriedLight carried_along(const Medium& medium, std::span<const AirSegment> stretches);
-
 }  // namespace plenoflame

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <set>
@@ -11,16 +11,15 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/micro_images.h"
-#include "plenoflame/sampling/philox.h"
 #include "plenoflame/sampling/sobol.h"
 #include "plenoflame/scene/channel_kinds.h"
 #include "render/paths/ray_path_tracer.h"
 #include "render/run/run_control.h"
+#include "render/tracer/path_integrator.h"
 #include "render/tracer/pixel_sampler.h"
 #include "render/tracer/radiance_integrator.h"
 #include "render/transport/channel_sum.h"
 #include "render/transport/scene_medium.h"
-#include "render/transport/surface_light.h"
 #include "render/transport/world_paths.h"
 
 namespace plenoflame {
@@ -119,69 +118,46 @@ void to_channels(const CompiledScene& scene, int pupil_part, std::vector<double>
 /// Light of flames, surfaces and surroundings along single rays.
 class LightAlong {
  public:
-  explicit LightAlong(const CompiledScene& scene)
-      : scene_(scene), nodes_(static_cast<std::size_t>(scene.node_count())), paths_(scene) {
-    if (scene.surfaces) {
-      plan_ = std::make_unique<SurfaceLightPlan>(scene, RenderSettings{}, Execution{});
-      light_ = std::make_unique<SurfaceLight>(*plan_);
-    }
-    scatter_ = make_scatter_plan(scene, RenderSettings{}, Execution{}, plan_.get());
-    if (scatter_) walk_ = std::make_unique<ScatterWalk>(*scatter_);
+  /// @param scene, medium kept by reference
+  LightAlong(const CompiledScene& scene, const Medium& medium)
+      : light_(scene, settings_, {}),
+        plan_(make_pass_plan<double>(scene, medium, settings_, {0, 1}, light_)),
+        integrator_(plan_),
+        columns_(8 + static_cast<std::size_t>(scene.node_count())),
+        codes_(kRayPadding) {
+    double** const lines[] = {&block_.x, &block_.y, &block_.z, &block_.dx, &block_.dy, &block_.dz};
+    for (std::size_t c = 0; c < std::size(lines); ++c) *lines[c] = columns_[c];
+    block_.weight = columns_[6];
+    block_.code = codes_.data();
+    std::fill_n(block_.weight, kRayPadding, 1.0);
   }
 
   /// All light along a ray: radiances of the nodes, then the optical thickness.
   /// @param exit the ray as it leaves the camera @param number of the ray
-  std::vector<double> along(const Medium& medium, const Ray& exit, std::size_t number) {
-    const WorldPath& path = paths_.trace(exit);
-    std::vector<std::vector<double>> behind(nodes_, std::vector<double>(1));
-    if (path.hit >= 0) {
-      send_back(paths_.hit(path), number, behind);
-    } else if (path.open) {
-      const std::vector<double>& environment = scene_.lights.environment;
-      for (std::size_t n = 0; n < environment.size(); ++n) behind[n][0] = environment[n];
-    }
-    const std::span<const AirSegment> stretches = paths_.stretches(path);
-    const CarriedLight light = carried_along(medium, stretches);
-    std::vector<double> carried = light.radiance;
-    for (std::size_t n = 0; n < nodes_; ++n)
-      carried[n] += stretches.back().throughput * light.passed.back()[n] * behind[n][0];
-    for (std::size_t k = 0; walk_ && k < stretches.size(); ++k) {
-      std::vector<std::vector<double>> scattered(nodes_, std::vector<double>(1));
-      MediumCounters counters;
-      walk_->add({{0, stretches[k].ray, mix64(~number + k), stretches[k].far, 0, 0}}, scattered,
-                 counters);
-      for (std::size_t n = 0; n < nodes_; ++n)
-        carried[n] += stretches[k].throughput * light.passed[k][n] * scattered[n][0];
-    }
-    carried.push_back(std::fabs(std::log(light.passed.back()[0])));
+  std::vector<double> along(const Ray& exit, std::size_t number) {
+    const Vec3 from = exit.origin - plan_.anchor, d = exit.direction;
+    const double line[] = {from.x, from.y, from.z, d.x, d.y, d.z};
+    for (std::size_t c = 0; c < std::size(line); ++c)
+      std::fill_n(columns_[c], kRayPadding, line[c]);
+    const std::vector<RayGroup> groups{{0, 1, 0, 0, 0, mix64(number)}};
+    MediumCounters counters;
+    integrator_.integrate({block_, 1, kRayPadding, {}, groups, 0}, columns_[8], kPaddedBlock,
+                          columns_[7], counters);
+    std::vector<double> carried;
+    for (int n = 0; n < plan_.scene->node_count(); ++n)
+      carried.push_back(columns_[8][n * kPaddedBlock]);
+    carried.push_back(std::fabs(std::log(columns_[7][0])));
     return carried;
   }
 
  private:
-  /// Adds the light that a surface sends back along the ray that ends on it.
-  void send_back(const SurfaceHit& hit, std::size_t number,
-                 std::vector<std::vector<double>>& radiance) {
-    SurfacePath path;
-    path.key = mix64(number);
-    path.hit = hit;
-    const auto word = philox(path.key, 0, 0);
-    std::vector<SurfaceLight::First> first(1);
-    for (std::size_t k = 0; k < 4; ++k) first[0].u[k] = unit_uniform(word[k]);
-    std::vector<SurfacePath> paths{path};
-    MediumCounters counters;
-    if (walk_)
-      walk_->add_surfaces(paths, first, radiance, counters);
-    else
-      light_->add(paths, first, radiance, counters);
-  }
-
-  const CompiledScene& scene_;
-  std::size_t nodes_;
-  WorldPaths paths_;
-  std::unique_ptr<SurfaceLightPlan> plan_;
-  std::unique_ptr<SurfaceLight> light_;
-  std::unique_ptr<const ScatterPlan> scatter_;
-  std::unique_ptr<ScatterWalk> walk_;
+  RenderSettings settings_;
+  PathLight light_;
+  BackwardPlan<double> plan_;
+  PathIntegrator<double> integrator_;
+  AlignedColumns<double> columns_;
+  std::vector<int> codes_;
+  KernelBlock<double> block_{};
 };
 
 /// Removes rays that do not pass this microlens.
@@ -285,9 +261,19 @@ std::vector<double> carried_back(const CompiledScene& scene, const Medium& mediu
   path.segments.resize(std::min(path.segments.size(), faces / 2 + 1));
   AirSegment& last = path.segments.back();
   last.far = length(sent.origin - last.ray.origin);
-  const CarriedLight light = carried_along(medium, path.segments);
-  std::vector<double> carried = light.radiance;
-  carried.push_back(std::fabs(std::log(light.passed.back()[0])));
+  MediumSegments segments(&medium, {});
+  for (const AirSegment& stretch : path.segments) segments.add(stretch.ray, stretch.far);
+  MediumCounters counters;
+  segments.integrate(true, counters);
+  const auto nodes = static_cast<std::size_t>(medium.channel_count());
+  std::vector<double> carried(nodes), passed(nodes, 1.0);
+  for (std::size_t k = 0; k < path.segments.size(); ++k)
+    for (std::size_t n = 0; n < nodes; ++n) {
+      carried[n] +=
+          path.segments[k].throughput * passed[n] * segments.radiance(k, static_cast<int>(n));
+      passed[n] *= segments.transmittance(k, n);
+    }
+  carried.push_back(std::fabs(std::log(passed[0])));
   return carried;
 }
 
@@ -406,7 +392,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
   for (const PupilTable& table : scene.pupils.tables())
     for (const PupilNode& node : table.nodes) reach = std::max(reach, std::fabs(node.centre));
   const Vec2 corner{half_x + reach, half_y + reach};
-  LightAlong light(scene);
+  LightAlong light(scene, medium.get());
   std::optional<MicroImages> images;
   if (camera.misaligned()) images.emplace(camera, false);
   for (const LensIndex lens : camera.lattice().within(-1.0 * corner, corner)) {
@@ -434,7 +420,7 @@ void add_chief_rays(const CompiledScene& scene, RayPaths& paths) {
     RayPath& added = paths.rays.back();
     paths.radiance.resize(paths.rays.size() * paths.channels.size(), 0.0);
     if (!exit) continue;
-    std::vector<double> carried = light.along(medium.get(), *exit, paths.rays.size() - 1);
+    std::vector<double> carried = light.along(*exit, paths.rays.size() - 1);
     to_channels(scene, added.pupil_part, carried);
     added.optical_thickness = carried.back();
     std::copy(carried.begin(), carried.end() - 1,

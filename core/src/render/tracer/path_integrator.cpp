@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 
 #include "render/run/run_control.h"
@@ -20,10 +21,12 @@ MediumOptions options_of(const RenderSettings& settings) {
 
 template <class Real>
 Ray line_of(const KernelBlock<Real>& block, int i, Vec3 anchor) {
+  const Vec3 along{static_cast<double>(block.dx[i]), static_cast<double>(block.dy[i]),
+                   static_cast<double>(block.dz[i])};
+  // Directions have almost length 1: there is no need for the care of length().
   return {anchor + Vec3{static_cast<double>(block.x[i]), static_cast<double>(block.y[i]),
                         static_cast<double>(block.z[i])},
-          normalize({static_cast<double>(block.dx[i]), static_cast<double>(block.dy[i]),
-                     static_cast<double>(block.dz[i])})};
+          (1 / std::sqrt(dot(along, along))) * along};
 }
 
 template <class Real>

@@ -34,14 +34,11 @@ void WorldPaths::add(std::size_t ray, const Ray& line) {
   }
   for (std::size_t s = path.first; surfaces_ && s < stretches_.size(); ++s) {
     AirSegment& stretch = stretches_[s];
-    SurfaceHit& hit = hits_.emplace_back();
-    if (!surfaces_->intersect(stretch.ray, 0, stretch.far, {}, hit)) {
-      hits_.pop_back();
-      continue;
-    }
-    stretch.far = hit.t;
+    if (!surfaces_->intersect(stretch.ray, 0, stretch.far, {}, hit_)) continue;
+    stretch.far = hit_.t;
     stretch.window = -1;
-    path.hit = static_cast<int>(hits_.size()) - 1;
+    path.hit = static_cast<int>(hits_.size());
+    hits_.push_back(hit_);
     path.open = false;
     stretches_.resize(s + 1);
   }

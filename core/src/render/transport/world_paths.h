@@ -50,6 +50,7 @@ class WorldPaths {
   const SurfaceScene* surfaces_;
   CameraFront front_;
   WindowPath way_;
+  SurfaceHit hit_;
   std::vector<WorldPath> paths_;
   std::vector<AirSegment> stretches_;
   std::vector<SurfaceHit> hits_;
