@@ -231,6 +231,9 @@ class Reconstruct(CommandTest):
                    mentions="not both")
         self.fails(1, "reconstruct", *self.RINGS[:5], "--grid", "6,10", *self.RINGS[7:], "--resume", "again.vdb", "-o", "x.vdb",
                    mentions="8 x 16 x 1 unknowns, not 6 x 10 x 1")
+        for other in (self.RINGS + ("--absorption", "20 1/m"), self.RINGS[:2] + ("front.exr",) + self.RINGS[3:]):
+            self.fails(1, "reconstruct", *other, "--axis", "fit", "--resume", "again.vdb", "-o", "x.vdb",
+                       mentions="again.vdb was found from other pictures, or with another absorption")
         refused = self.run_command("reconstruct", "front.toml", "--images", "front-electrons.exr", "side-electrons.exr", "-o", "x.vdb")
         self.assertIn("does not belong to the scene", refused.stderr)
         self.assertEqual(refused.stdout, "")

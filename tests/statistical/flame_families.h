@@ -162,7 +162,7 @@ struct FamilyTrial {
   /// much.
   SuspectKind wrong = SuspectKind::exposure;
   double by = 0;
-  int coarser = 1;  ///< the rings by so much
+  double coarser = 1;  ///< the rings by so much
 };
 
 /// Errors of what is lit, above 5 % of the brightest.
@@ -279,7 +279,9 @@ struct FamilyProblem {
 };
 
 inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
-  const int rings = 14 / trial.coarser, heights = 22 / trial.coarser, finer = 4 * trial.coarser;
+  const int rings = static_cast<int>(14 / trial.coarser),
+            heights = static_cast<int>(22 / trial.coarser);
+  const double finer = 4 * trial.coarser;
   constexpr int kAcross = 14, kUp = 16;
   const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
   source = SourceFunction::band(channel.wavelength, channel.width);
@@ -333,7 +335,7 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
 
 inline ReconstructionSettings family_settings(const FamilyTrial& trial,
                                               ReconstructionSettings settings = {}) {
-  settings.rays.samples = 64 * trial.coarser * trial.coarser;
+  settings.rays.samples = static_cast<int>(64 * std::max(1.0, trial.coarser * trial.coarser));
   settings.rays.seed = 500 + trial.seed;
   return settings;
 }

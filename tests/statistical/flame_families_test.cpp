@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <tuple>
+#include <string>
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/inverse/flame_block.h"
@@ -14,6 +14,11 @@
 
 namespace plenoflame::test::flame_families_test {
 namespace {
+
+std::string what_sees(const FamilyTrial& trial) {
+  return std::string(trial.coarser < 1 ? "fine " : "") + (trial.rings ? "rings" : "voxels") + ", " +
+         std::to_string(trial.cameras) + (trial.cameras == 1 ? " camera" : " cameras");
+}
 
 /// Three flames of each family at three exposures.
 Totals measure(FamilyTrial trial, Totals& temperature) {
@@ -29,35 +34,39 @@ Totals measure(FamilyTrial trial, Totals& temperature) {
       emission.add(found.emission);
       if (trial.absorption > 0) temperature.add(found.temperature);
     }
-    print(name_of(family) + ", " + (trial.rings ? "rings" : "voxels") + ", " +
-              std::to_string(trial.cameras) + (trial.cameras == 1 ? " camera" : " cameras") +
-              (trial.absorption > 0 ? ", absorbing" : ""),
+    print(name_of(family) + ", " + what_sees(trial) + (trial.absorption > 0 ? ", absorbing" : ""),
           own.mean());
   }
   return emission;
 }
 
-class AllFlameFamilies : public testing::TestWithParam<std::tuple<bool, int>> {};
+struct Grid {
+  const char* name;
+  bool rings;
+  int cameras;
+  double coarser = 1;
+};
+class AllFlameFamilies : public testing::TestWithParam<Grid> {};
 
 TEST_P(AllFlameFamilies, DeviationsAreTheErrors) {
   if (!in_full()) return;
-  const auto [rings, cameras] = GetParam();
+  const Grid& grid = GetParam();
   Totals unused;
   FamilyTrial trial;
-  trial.rings = rings;
-  trial.cameras = cameras;
+  trial.rings = grid.rings;
+  trial.cameras = grid.cameras;
+  trial.coarser = grid.coarser;
   const Totals emission = measure(trial, unused);
-  print(
-      std::string("**all, ") + (rings ? "rings" : "voxels") + ", " + std::to_string(cameras) + "**",
-      emission.mean());
+  print("**all, " + what_sees(trial) + "**", emission.mean());
   expect_true(emission);
 }
 
-std::string name_of_case(const testing::TestParamInfo<std::tuple<bool, int>>& one) {
-  return (std::get<0>(one.param) ? "Rings" : "Voxels") + std::to_string(std::get<1>(one.param));
-}
 INSTANTIATE_TEST_SUITE_P(, AllFlameFamilies,
-                         testing::Combine(testing::Bool(), testing::Values(1, 3, 6)), name_of_case);
+                         testing::Values(Grid{"Rings1", true, 1}, Grid{"Rings3", true, 3},
+                                         Grid{"Rings6", true, 6}, Grid{"FineRings3", true, 3, 0.5},
+                                         Grid{"Voxels1", false, 1}, Grid{"Voxels3", false, 3},
+                                         Grid{"Voxels6", false, 6}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 TEST(FlameFamilies, DeviationsOfTemperatures) {
   if (!in_full()) return;

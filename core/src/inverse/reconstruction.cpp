@@ -48,6 +48,9 @@ constexpr int kMostTurnsOfGuess = 10;
 constexpr int kLeastProbe = 100;
 /// [byte] Products with a smaller matrix take less time than messages between ranks.
 constexpr double kLeastShared = 8e6;
+/// Their last change over their length. Deviations are the same to a per cent as with 1e-5, after
+/// two thirds of the iterations.
+constexpr double kProbed = 1e-3;
 /// Time of the whole over that of the first guess, within a factor of 2; shortest reported time.
 constexpr double kTimesGuess = 100, kLongRun = 60;
 
@@ -108,9 +111,8 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
       if (static_cast<std::size_t>(rays.rows[i].view) != v || !(measured.deviation[i] > 0))
         continue;
       all[i] = 1;
-      // Five of six pixels without light are below one deviation, half of those that have as much.
-      dark[i] = measured.flux[i] <= std::max(measured.deviation[i], 1e-4 * largest) &&
-                measured.deviation[i] < 0.05 * largest;
+      // So is half of the pixels without light, and one in six of those with one deviation of it.
+      dark[i] = measured.flux[i] <= 1e-4 * largest && measured.deviation[i] < 0.05 * largest;
     }
     std::vector<double> seen(a.columns()), ruled(a.columns());
     a.apply_transpose(all, seen);
@@ -189,7 +191,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
                      const ReconstructionSettings& settings, std::span<const double> b,
                      Watch& watch, Reconstruction& result) {
   const auto rows = static_cast<double>(result.rows - result.left_out);
-  const ProbeAccuracy accuracy{std::max(kLeastProbe, settings.iterations), 1e-5};
+  const ProbeAccuracy accuracy{std::max(kLeastProbe, settings.iterations), kProbed};
   const LinearProblem linear = problem.problem(b);
   const Regularisation penalty = problem.regularisation(result.strength);
   const double all = std::max(1, settings.draws + settings.probes);

@@ -44,7 +44,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
   Box box = block_of(request, cameras.first());
   if (!box.empty()) {
     CameraRaySettings how;
-    how.samples = 4;
+    how.samples = 16;
     how.channel = static_cast<int>(cameras.channels[0]);
     const CameraRays rays = rays_of_form(OperatorForm::automatic, views, box, how, quiet);
     const std::vector<double> outside = light_outside(views, measurements, rays, how.bin);
@@ -84,7 +84,7 @@ FlameAxis fitted_axis(const UnknownsRequest& request, const ReconstructCameras& 
   const std::unique_ptr<Unknowns> unknowns = unknowns_of(request, cameras.first());
   const Box box = unknowns->bounds();
   CameraRaySettings how;
-  how.samples = 4;
+  how.samples = 16;
   how.channel = static_cast<int>(cameras.channels[0]);
   const std::vector<CameraView> views = windowed(cameras.views(), measurements);
   const CameraRays rays = draw_camera_rays(views, box, how, without_reports(execution));

@@ -85,10 +85,11 @@ void write_estimate(const std::string& path, const ReconstructResult& result,
                       "out of range",
                       path, found[i].name));
     grids.push_back({&fields[i], found[i].unit});
-    // A continued run takes up this strength, on this grid.
+    // A continued run takes up this strength, on this grid and from these pictures.
     if (found[i].name == "emission")
       grids.back().metadata = {{"strength", fmt::format("{:.17g}", result.figures.strength)},
-                               {"unknowns", shape_text(unknowns)}};
+                               {"unknowns", shape_text(unknowns)},
+                               {"input", result.input}};
   }
   GridWriteOptions options;
   options.metadata = {{"creator", "plenoflame reconstruct"}};

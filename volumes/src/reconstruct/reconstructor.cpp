@@ -10,6 +10,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/part_of_progress.h"
+#include "plenoflame/inverse/csr_matrix.h"
 #include "plenoflame/math/readable.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "plenoflame/volumes/grid_samples.h"
@@ -161,6 +162,8 @@ EarlierResult read_earlier_result(const std::string& path, const Unknowns& unkno
     *to = sample_grid(path, grid.name, places);
     if (const auto shape = grid.metadata.find("unknowns"); shape != grid.metadata.end())
       result.shape = shape->second;
+    if (const auto input = grid.metadata.find("input"); input != grid.metadata.end())
+      result.input = input->second;
     const auto strength = grid.metadata.find("strength");
     if (strength == grid.metadata.end()) continue;
     std::istringstream number(strength->second);
@@ -170,6 +173,18 @@ EarlierResult read_earlier_result(const std::string& path, const Unknowns& unkno
   if (result.emission.empty())
     throw InputError(path + " has no grid 'emission': it is no result of reconstruct");
   return result;
+}
+
+/// A number that tells pictures and absorptions apart.
+std::string input_of(const FrameMeasurements& measurements, const std::vector<double>& absorption) {
+  std::string bytes;
+  const auto add = [&](const auto& values) {
+    bytes.append(reinterpret_cast<const char*>(values.data()), values.size() * sizeof(values[0]));
+  };
+  for (const std::vector<Measurement>& channel : measurements)
+    for (const Measurement& taken : channel) add(taken.flux.pixels);
+  add(absorption);
+  return fmt::format("{:x}", csr_work(bytes));
 }
 
 }  // namespace
@@ -298,6 +313,11 @@ Reconstructor::Reconstructor(const ReconstructRequest& request, const Reconstruc
         "{} has {} unknowns, not {}: {} continues the same command, and {} begins "
         "another one from a file",
         path, start.shape, shape, request_.names()("resume"), request_.names()("start")));
+  if (resumes && !start.input.empty() && start.input != input_of(first, absorption_))
+    throw InputError(fmt::format(
+        "{} was found from other pictures, or with another absorption: {} continues the same "
+        "command, and {} begins another one from a file",
+        path, request_.names()("resume"), request_.names()("start")));
   if (resumes && !request_.strength) settings_.strength = start.strength;
   if (request_.find == Sought::emission) {
     start_ = samples_of(start.emission, absorption_);
@@ -335,6 +355,7 @@ ReconstructResult Reconstructor::frame(
     result.settled = refinement_->settled;
   }
   settings_.strength = result.figures.strength;
+  result.input = input_of(measurements, absorption_);
   result.uncut_block = uncut_block(result.figures, windowed(views(), corrected[0]), corrected[0],
                                    unknowns_->bounds(), settings_.rays.channel, rest);
   for (const Measurement& measurement : measurements[0])

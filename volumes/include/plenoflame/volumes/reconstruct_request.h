@@ -22,6 +22,7 @@ struct EarlierResult {
   std::vector<double> emission, temperature, absorption;  ///< empty: the file has no such grid
   double strength = -1;                                   ///< of its penalty; negative: not stated
   std::string shape;                                      ///< shape_text(); empty: not stated
+  std::string input;                                      ///< ReconstructResult::input
 };
 
 /// A request for a reconstruction.

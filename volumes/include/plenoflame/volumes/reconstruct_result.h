@@ -18,6 +18,8 @@ struct ReconstructResult {
   double scale_error = 0;
   std::vector<Suspect> corrections;  ///< of refined cameras: what the scenes had wrong
   bool settled = true;               ///< false: the corrections still moved at their end
+  /// Tells pictures and absorptions apart; empty: not known.
+  std::string input = {};
   /// A block that would hold the flame, where that of the unknowns cuts it.
   std::optional<Box> uncut_block = {};
 };
