@@ -128,12 +128,11 @@ TEST(SootFamilies, DeviationsAreTheErrors) {
       for (Totals* totals : {&absorption, &own_absorption}) totals->add(found.absorption);
     }
     if (own_temperature.count == 0) continue;
-    print(name_of(family) + ", rings, 1 camera, temperature of two channels",
-          own_temperature.mean());
-    print(name_of(family) + ", rings, 1 camera, absorption", own_absorption.mean());
+    print(name_of(family) + ", two channels, temperature", own_temperature.mean());
+    print(name_of(family) + ", two channels, absorption", own_absorption.mean());
   }
-  print("**all, rings, 1 camera, temperature of two channels**", temperature.mean());
-  print("**all, rings, 1 camera, absorption**", absorption.mean());
+  print("**all, two channels, temperature**", temperature.mean());
+  print("**all, two channels, absorption**", absorption.mean());
   expect_true(temperature);
   expect_true(absorption);
   EXPECT_LT(temperature.mean().error, 0.03);

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <new>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -18,7 +17,7 @@
 namespace plenoflame {
 namespace {
 
-constexpr std::string_view kMagic = "plenoflame film 6\n";
+constexpr std::string_view kMagic = "plenoflame film 7\n";
 
 template <class T>
 std::string_view bytes_of(const T* data, std::size_t count) {

@@ -46,11 +46,11 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
+/// Probes and draws end when a solution changes by less than this part of its length. Deviations
+/// are the same to a per cent as with 1e-5, after two thirds of the iterations.
+constexpr double kProbed = 1e-3;
 /// [byte] Products with a smaller matrix take less time than messages between ranks.
 constexpr double kLeastShared = 8e6;
-/// Their last change over their length. Deviations are the same to a per cent as with 1e-5, after
-/// two thirds of the iterations.
-constexpr double kProbed = 1e-3;
 /// Time of the whole over that of the first guess, within a factor of 2; shortest reported time.
 constexpr double kTimesGuess = 100, kLongRun = 60;
 
@@ -111,7 +111,8 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
       if (static_cast<std::size_t>(rays.rows[i].view) != v || !(measured.deviation[i] > 0))
         continue;
       all[i] = 1;
-      // So is half of the pixels without light, and one in six of those with one deviation of it.
+      // Noise puts half of the pixels without light at or below 0, and one in six of those whose
+      // light is one deviation.
       dark[i] = measured.flux[i] <= 1e-4 * largest && measured.deviation[i] < 0.05 * largest;
     }
     std::vector<double> seen(a.columns()), ruled(a.columns());

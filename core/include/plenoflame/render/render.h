@@ -93,8 +93,8 @@ struct RenderStatistics : WorkCounters {
 
 struct RenderResult {
   LightField light_field;
-  /// The sums that light_field was made from, to continue it. If all tiles are complete, the sums
-  /// of finished tiles are missing.
+  /// The sums that light_field was made from. They continue the picture: more samples are added to
+  /// them.
   Film film;
   RenderStatistics statistics;
 };
