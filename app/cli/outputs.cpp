@@ -78,6 +78,10 @@ CLI::Validator written(std::vector<std::string> endings) {
   return CLI::Validator(check, "", kWritten).active(false);  // check_outputs() asks it
 }
 
+bool is_output(CLI::Option& option) {
+  return is_marked(option, kWritten);
+}
+
 CLI::Validator continued() {
   return mark(kContinued);
 }
@@ -88,9 +92,9 @@ void check_outputs(CLI::App& app) {
   std::vector<Output> outputs;
   std::vector<std::string> inputs;
   for (CLI::Option* const option : app.get_options({})) {
-    if (is_marked(*option, kWritten)) {
+    if (is_output(*option)) {
       for (const std::string& path : option->results())
-        if (!path.empty())
+        if (!path.empty() || option->get_required())
           outputs.push_back({option->get_name(), path, *option->get_validator(kWritten)});
     } else if (!is_marked(*option, kContinued)) {
       for (const std::string& file : files_of(*option)) inputs.push_back(file);

@@ -79,7 +79,7 @@ def flag(name, label, about, default=0):
 
 
 def choice(name, label, about, entries, default=0):
-    """Its attribute is the entry's text."""
+    """The attribute that it makes is the text of the chosen entry."""
     listed = "".join(f'<Entry value="{i}" text="{_escaped(entry)}"/>' for i, entry in enumerate(entries))
     return _property("IntVectorProperty", name, label, about, [default],
                      f'<EnumerationDomain name="enum">{listed}</EnumerationDomain>', read=entries.__getitem__)

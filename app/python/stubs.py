@@ -1,5 +1,5 @@
-"""Writes the type stubs (.pyi) of the Python package beside its sources, where it was built: what has annotations, with the
-rows of the library's tables in place of **settings.
+"""Writes the type stubs (.pyi) of the Python package beside its sources, where it was built. They have what is annotated, with
+the rows of the library's tables in place of **settings.
 
     stubs.py PACKAGE    the folder of the package, with its compiled module
 """
@@ -8,12 +8,12 @@ import ast
 import importlib
 import inspect
 import pathlib
-import re
 import sys
+import unittest.mock
 
 
 def stub_of_function(node, namespace):
-    """Its signature, with what an `arguments_of` adds."""
+    """Leaves its signature of a function, with what an `arguments_of` adds."""
     arguments = node.args
     arguments.defaults = [ast.Constant(...) for _ in arguments.defaults]
     arguments.kw_defaults = [value and ast.Constant(...) for value in arguments.kw_defaults]
@@ -29,14 +29,14 @@ def stub_of_function(node, namespace):
 
 
 def attributes_of(node):
-    """The annotated attributes that __init__ sets."""
+    """Gives the annotated attributes that __init__ sets."""
     for child in node.body:
         if isinstance(child, ast.AnnAssign) and isinstance(child.target, ast.Attribute):
             yield ast.AnnAssign(ast.Name(child.target.attr), child.annotation, None, 1)
 
 
 def stubs_of(body, namespace):
-    """namespace: a function that gives the module or class whose body it is."""
+    """Gives the stubs of a module or class, which `namespace` returns."""
     for node in body:
         if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
             def own(name=node.name):
@@ -47,6 +47,8 @@ def stubs_of(body, namespace):
         elif isinstance(node, ast.FunctionDef) and node.returns is not None:
             yield from attributes_of(node)
             yield stub_of_function(node, namespace)
+        elif isinstance(node, ast.AnnAssign) and isinstance(node.value, ast.Call):
+            yield from ast.parse(f"@property\ndef {node.target.id}(self) -> {ast.unparse(node.annotation)}: ...").body
         elif isinstance(node, ast.AnnAssign):
             node.value = None
             yield node
@@ -54,15 +56,20 @@ def stubs_of(body, namespace):
             yield node
 
 
-def imports_of(tree):
-    """Those of the module, and those for type checkers alone."""
-    checking = [node for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"]
-    for node in [*tree.body, *(child for branch in checking for child in branch.body)]:
+def imports_of(nodes):
+    """Gives the names that statements import, each with its import."""
+    for node in nodes:
         if isinstance(node, (ast.Import, ast.ImportFrom)) and getattr(node, "module", "") != "__future__":
             for alias in node.names:
                 kind = ast.ImportFrom(node.module, [alias], node.level) if isinstance(node, ast.ImportFrom) else ast.Import([alias])
-                yield alias.asname or alias.name, kind
-    yield from ((None, node) for branch in checking for node in branch.body if isinstance(node, ast.Assign))
+                yield alias.asname or alias.name, ast.unparse(kind)
+
+
+def types_of(path):
+    """Gives the names of `_types`, which the library's tables use in each module, each with its import."""
+    for node in ast.parse(path.with_name("_types.py").read_text()).body:
+        if isinstance(node, ast.Assign):
+            yield node.targets[0].id, f"from ._types import {node.targets[0].id}"
 
 
 def stub_of(path):
@@ -74,16 +81,18 @@ def stub_of(path):
         names = [(node.level * "." + (node.module or ""), alias.name) for node in tree.body if isinstance(node, ast.ImportFrom)
                  for alias in node.names if not (alias.asname or "").startswith("_")]
         return "".join(f"from {module} import {name} as {name}\n" for module, name in [*names, (".", "vtk")]) + "__all__: list[str]\n"
-    body = "\n".join(ast.unparse(node) for node in stubs_of(tree.body, lambda: importlib.import_module("plenoflame." + path.stem)))
-    used = set(re.findall(r"\w+", body))
-    imports = [(name, ast.unparse(node)) for name, node in imports_of(tree)]
-    aliases = [text for name, text in imports if name is None]
-    used |= set(re.findall(r"\w+", " ".join(aliases)))
-    return "\n".join([text for name, text in imports if name in used] + aliases + [body, ""])
+    checking = [child for node in tree.body if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING" for child in node.body]
+    body = [node for node in checking if isinstance(node, ast.Assign)]
+    body += stubs_of(tree.body, lambda: importlib.import_module("plenoflame." + path.stem))
+    text = "\n".join(map(ast.unparse, body))
+    used = {node.id for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
+    imports = dict([*imports_of([*tree.body, *checking]), *types_of(path)])
+    return "\n".join([line for name, line in imports.items() if name in used] + [text, ""])
 
 
 def main():
     package = pathlib.Path(sys.argv[1]).resolve()
+    sys.modules["numpy"] = unittest.mock.MagicMock()  # signatures do not need it
     sys.path.insert(0, str(package.parent))
     for path in sorted(package.glob("*.py")):
         if path.stem != "vtk":  # whose stub is written by hand

@@ -144,11 +144,19 @@ class Outputs(CommandTest):
                              ("pyrometry r.exr --truth-picture a.exr", "--truth-picture: 'a.exr' must end in .png"),
                              ("camera import s.xml -o a.exr", ".toml"), ("calibrate white w.tif --camera s.toml -o a.exr", ".toml"),
                              ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.exr", ".csv"),
-                             ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.csv --picture a.exr", ".png")):
+                             ("calibrate corners b.tif --camera s.toml --board 5x4 --cell 5mm -o a.csv --picture a.exr", ".png"),
+                             ("calibrate geometry b.csv --camera s.toml -o a.exr", ".toml"),
+                             ("calibrate radiometry 1500=b.tif --camera s.toml -o a.exr", ".toml"),
+                             ("calibrate rig s.toml=b.csv t.toml=c.csv -o a.exr", ".toml"),
+                             ("calibrate white w.tif --camera s.toml --picture a.exr", ".png"),
+                             ("picture s.toml -o a.exr", ".png"), ("design s.toml -o a.exr", ".toml"),
+                             ("flame import x.vtu -o a.exr", ".vdb"),
+                             ("reconstruct s.toml --images x.exr -o a.vdb --refined a.exr", ".toml")):
             if line.split(" ")[0] not in present and " ".join(line.split()[:2]) not in present:
                 continue
             with self.subTest(line=line):
                 self.refused(line.split(), ["must end in", ending])
+        self.fails(2, "operator", "s.toml", "-o", "", mentions="--output: '' must end in .npz")
 
     def test_a_folder_that_is_merged_is_no_output(self):
         os.mkdir(self.path("set"))

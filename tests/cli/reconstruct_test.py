@@ -319,6 +319,9 @@ class Reconstruct(CommandTest):
         refused("my front.toml", "--operator", "a.npz", "--options", "--part 1/2", mentions="--part")
         refused("my front.toml", "--operator", "a.npz", "--options", "--grid x", mentions="--grid")
         refused("my front.toml", "--operator", "a.npz", "--options", "--camera b", mentions="b")
+        self.write("other.toml", "[sweep]\n")
+        self.fails(1, "submit", "--slurm", "my front.toml", "--operator", "a.npz", "--options", "other.toml", "-o", "x.sh",
+                   mentions="a table [operator] is needed here, not [sweep]")
         self.assertNotIn("x.sh", self.files())
 
     def test_options_that_mean_nothing_to_each_other(self):

@@ -62,11 +62,12 @@ class SettingsFile(CommandTest):
     def test_sweep(self):
         os.mkdir(self.path("a"))
         self.write("a/runs.csv", "camera.focus.object_distance\n0.9 m\n1 m\n")
-        self.write("a/run.toml", '[sweep]\nscene = "../a.toml"\ntable = "runs.csv"\noutput = "set"\nsamples = 2\nseed = 3\n')
-        self.succeeds("sweep", "a/run.toml", "--quiet")
         self.succeeds("sweep", "a.toml", "--table", "a/runs.csv", "-o", "set", "--samples", "2", "--seed", "3", "--quiet")
-        self.assertEqual(self.read("a/set/index.csv"), self.read("set/index.csv"))
-        self.assertEqual(self.read("a/set/runs/000001.exr"), self.read("set/runs/000001.exr"))
+        for output in ("set=1", "auto"):  # these are names of folders, too
+            self.write("a/run.toml", f'[sweep]\nscene = "../a.toml"\ntable = "runs.csv"\noutput = "{output}"\nsamples = 2\nseed = 3\n')
+            self.succeeds("sweep", "a/run.toml", "--quiet")
+            self.assertEqual(self.read(f"a/{output}/index.csv"), self.read("set/index.csv"))
+            self.assertEqual(self.read(f"a/{output}/runs/000001.exr"), self.read("set/runs/000001.exr"))
         self.write("a/run.toml", '[sweep]\nscene = "../a.toml"\ntable = "runs.csv"\noutput = "other"\ntest_share = 2\n')
         self.fails(1, "sweep", "a/run.toml", mentions="a/run.toml:5:1: test_share must be a share")
 

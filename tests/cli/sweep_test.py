@@ -244,6 +244,8 @@ look_direction = [0, 1, 0]
         self.write("bad.csv", "flames[0].brightness\n1\nred\n")
         refused("--table bad.csv", "bad.csv:3:1", status=1)
         refused("--table runs.csv --sample 4", "--options")
+        self.write("other.toml", "[operator]\n")
+        refused("other.toml", "a table [sweep] is needed here, not [operator]", status=1)
         refused("--table runs.csv --part 1/2", "--part")
         refused("--table runs.csv -o other", "--output")
         refused("", "--table")

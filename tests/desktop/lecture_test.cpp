@@ -1,5 +1,14 @@
 // Time, films, the guided tour: what a lecture shows. References: the table that moves a flame,
 // values between two ends by arithmetic, what the steps of the tour say.
+#include <QVTKOpenGLNativeWidget.h>
+#include <vtkActor.h>
+#include <vtkImageData.h>
+#include <vtkPropCollection.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkRendererCollection.h>
+#include <vtkTexture.h>
+
 #include <QAction>
 #include <QComboBox>
 #include <QLabel>
@@ -355,6 +364,18 @@ class LectureTest : public test::SceneFixture {
     QVERIFY(until([&] {
       return std::abs(right->tone_settings().white / left->tone_settings().white - 0.25) < 1e-6;
     }));
+    // In 3-D each sensor shows its picture.
+    for (QVTKOpenGLNativeWidget* view : window->findChildren<QVTKOpenGLNativeWidget*>()) {
+      vtkPropCollection* const props =
+          view->renderWindow()->GetRenderers()->GetFirstRenderer()->GetViewProps();
+      bool shown = false;
+      for (int i = 0; i < props->GetNumberOfItems(); ++i) {
+        auto* const part = vtkActor::SafeDownCast(props->GetItemAsObject(i));
+        auto* const drawn = part && part->GetTexture() ? part->GetTexture()->GetInput() : nullptr;
+        shown = shown || (drawn && drawn->GetDimensions()[0] == flux().width);
+      }
+      QVERIFY(shown);
+    }
     const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR");
     if (!folder.isEmpty()) window->grab().save(folder + "/compare.png");
     window->close();

@@ -9,6 +9,7 @@
 
 #include "gui_tests.h"
 #include "scene_fixture.h"
+#include "widgets/scene/lens_detail.h"
 
 using namespace plenoflame;
 using namespace plenoflame::desktop;
@@ -112,6 +113,9 @@ class ObjectTest : public test::SceneFixture {
       QVERIFY(settled());
     }
     QVERIFY(seen_far(40));
+    const double height = view().view_height();
+    wheel(scene3d(), {20, 20}, 0, 1);
+    QCOMPARE(view().view_height(), height);
     const QImage picture = view().picture();
     if (const QString folder = qEnvironmentVariable("PLENOFLAME_TOUR"); !folder.isEmpty())
       picture.save(folder + "/wheel.png");
@@ -135,6 +139,14 @@ class ObjectTest : public test::SceneFixture {
     for (int y = 0; y < picture.height() - 60; ++y)
       for (int x = 0; x < picture.width(); ++x) white += qBlue(picture.pixel(x, y)) > 190 ? 1 : 0;
     QVERIFY2(white > 500, qPrintable(QString::number(white)));
+  }
+
+  void fewMicrolensesInViewAreNotMadeAnew() {
+    QVERIFY(open_example("lenslets-30"));  // 1 mm apart
+    const auto seen = [](double size) { return ArrayPart{{0, 0}, {size, size}}; };
+    for (const double size : {1e-6, 1e-4, 1e-3, 1e-2})
+      QVERIFY(with_margin(seen(size), scene().camera).suits(seen(size), scene().camera));
+    QVERIFY(!with_margin(seen(1e-2), scene().camera).suits(seen(1e-4), scene().camera));
   }
 
   void axesCoverNoFlame() {

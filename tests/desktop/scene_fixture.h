@@ -60,9 +60,9 @@ class SceneFixture : public WindowFixture {
                   (0.5 * sensor.rows - row - 0.5) * sensor.pixel_pitch, scene().camera.sensor()});
   }
   QPoint seen_at(Vec3 point) { return view().to_widget(point).toPoint(); }
-  static void wheel(QWidget* widget, QPointF at, int steps) {
-    QWheelEvent event(at, widget->mapToGlobal(at.toPoint()), {}, {0, 120 * steps}, Qt::NoButton, {},
-                      Qt::NoScrollPhase, false);
+  static void wheel(QWidget* widget, QPointF at, int steps, int sideways = 0) {
+    QWheelEvent event(at, widget->mapToGlobal(at.toPoint()), {}, {120 * sideways, 120 * steps},
+                      Qt::NoButton, {}, Qt::NoScrollPhase, false);
     QApplication::sendEvent(widget, &event);
   }
   void hover(QWidget* widget, QPointF at) { mouse(widget, QEvent::MouseMove, at, Qt::NoButton); }

@@ -35,7 +35,7 @@ class Arguments(PackageTest):
         self.refused("target_error", render, 1, target_error=-0.1)
         self.refused("target_error", render, 1, target_error=float("nan"))
         self.refused("time_limit takes a number of at least 0, not -3", render, 1, time_limit=-3)
-        self.refused("threads takes a whole number from 0 to 1024, not -1", render, 1, threads=-1)
+        self.refused("threads takes a whole number from 0 to 4096, not -1", render, 1, threads=-1)
 
     def test_rays(self):
         rays = self.small.rays

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "options.h"
+#include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/settings_file.h"
 
@@ -67,20 +68,24 @@ bool takes_files(const CLI::Option& option) {
   const std::string form = option.get_option_text();
   const auto dot = form.find('.');
   return form.starts_with("FILE") || form == "DIR" ||
-         (dot + 1 < form.size() && std::islower(static_cast<unsigned char>(form[dot + 1])) != 0);
+         (dot != std::string::npos && dot + 1 < form.size() &&
+          std::islower(static_cast<unsigned char>(form[dot + 1])) != 0);
 }
 
-/// The name of a file, or LABEL=NAME, from the folder of the settings.
-std::string in_folder(const fs::path& folder, const std::string& value) {
+/// Gives the value of an option, FILE or LABEL=FILE, with the name of the file from the folder of
+/// the settings.
+std::string in_folder(const fs::path& folder, CLI::Option& option, const std::string& value) {
   std::error_code error;
-  if (value.empty() || value == "auto") return value;
-  const auto equals = fs::exists(folder / value, error) ? std::string::npos : value.find('=');
-  if (equals == std::string::npos) return (folder / value).string();
+  if (value.empty() || (value == "auto" && option.get_option_text().ends_with("|auto")))
+    return value;
+  const auto equals = value.find('=');
+  if (equals == std::string::npos || is_output(option) || fs::exists(folder / value, error))
+    return (folder / value).string();
   return value.substr(0, equals + 1) + (folder / value.substr(equals + 1)).string();
 }
 
-/// All that a message may begin with if it is about an option: "--absorption-error", "-o", and
-/// "absorption_error".
+/// The setting with all names of its option, one of which a message about it begins with:
+/// "--absorption-error", "-o", "absorption_error".
 FileOption file_option(const CLI::Option& option, const FileSetting& setting) {
   FileOption given{setting.position, setting.key, {setting.key}};
   for (const std::string& name : option.get_lnames()) given.names.push_back("--" + name);
@@ -121,7 +126,7 @@ std::vector<std::string> inputs_or_settings(CLI::App& command, const std::string
     CLI::Option& option = *found->second;
     std::vector<std::string> values = setting.values;
     if (&option == named || takes_files(option))
-      for (std::string& path : values) path = in_folder(folder, path);
+      for (std::string& path : values) path = in_folder(folder, option, path);
     if (&option == named &&
         values.size() > static_cast<std::size_t>(named->get_items_expected_max()))
       throw InputError(setting.position, setting.key + ": one, not several");

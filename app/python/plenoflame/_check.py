@@ -19,6 +19,10 @@ def whole(name, value, low=0, high=_MOST):
     raise Error(f"{name} takes a whole number from {low} to {high}, not {value!r}")
 
 
+def threads(value):
+    return whole("threads", value, 0, 4096)
+
+
 def number(name, value, low=-math.inf, high=math.inf):
     """A finite number from low to high."""
     if isinstance(value, numbers.Real) and math.isfinite(value) and low <= value <= high:

@@ -55,7 +55,7 @@ class Settings:
                      for name, form, text, value, kind, repeated, required in rows}
 
     def arguments_of(self, function):
-        """Decorates a function that takes them as **settings: gives it their signature, and adds their texts to its docstring."""
+        """Decorates a function that takes them as **settings: it gets their signature, and their texts in its docstring."""
         keyword = inspect.Parameter.KEYWORD_ONLY
         kept = [p for p in inspect.signature(function).parameters.values() if p.kind is not p.VAR_KEYWORD]
         rows = [inspect.Parameter(name, keyword, default=row[2], annotation=self._type(name, *row[2:])) for name, row in self.rows.items()]
@@ -78,7 +78,7 @@ class Settings:
         return checked
 
     def _type(self, name, default, kind, repeated, form):
-        """As type checkers write it."""
+        """Gives the type of a setting, as annotations have it."""
         own = _TYPES[_Kind.text if kind == _Kind.number and "," in form else kind]
         if repeated:
             own = {_Kind.file: "Files", _Kind.lengths: "str | Sequence[Place]"}.get(kind, own)
@@ -95,7 +95,7 @@ class Settings:
 
 
 def _text(name, value, kind):
-    """The text that a row takes."""
+    """Gives the text that a row takes."""
     if kind == _Kind.flag:
         return str(bool(value)).lower()
     if kind == _Kind.file:

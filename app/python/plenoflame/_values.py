@@ -27,7 +27,7 @@ class Quantity(float):
         quantity.text = text if text is not None else f"{float(value)!r} {unit}"
         return quantity
 
-    def __getnewargs__(self) -> tuple[float, str, str]:
+    def __getnewargs__(self):
         return float(self), self.unit, self.text
 
     def __repr__(self) -> str:

@@ -246,7 +246,7 @@ class LightField(_home.AtHome):
         attributes = {"resampling": getattr(_core.Resampling, _check.choice("resampling", resampling, _RESAMPLINGS)),
                       "grid": _check.whole("grid", grid, 1, 99), "spread": _check.number("spread", spread, 0, 1),
                       "white_correction": bool(white_correction), "channel": _check.text("channel", channel),
-                      "threads": _check.whole("threads", threads, 0, 1024)}
+                      "threads": _check.threads(threads)}
         with self._filtering:
             views, sheet = update(self._filter(_core.Views, **attributes), progress, "views").output
             return Views(views, sheet, grid, "W/(m^2 sr)" if white_correction else "W", spread, self.scene_text)
@@ -254,7 +254,7 @@ class LightField(_home.AtHome):
     def _refocusing(self, kind, width, aperture, channel, threads):
         return self._filter(kind, width=_check.whole("width", width, 0, 20000),
                             aperture=_check.number("aperture", aperture, 1e-3, 1), channel=_check.text("channel", channel),
-                            threads=_check.whole("threads", threads, 0, 1024))
+                            threads=_check.threads(threads))
 
     def refocus(self, depth: float, *, width: int = 0, aperture: float = 1.0, channel: str = "", threads: int = 0,
                 progress: Progress | None = None) -> Refocused:

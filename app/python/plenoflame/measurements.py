@@ -145,7 +145,7 @@ def exposed(field, exposure, channel_exposure, noise, noise_seed, frames, dark, 
                   channel_exposure={name: _check.seconds("channel_exposure", time)
                                     for name, time in (channel_exposure or {}).items()},
                   noise_seed=None if noise_seed is None else _check.whole("noise_seed", noise_seed, 0, 2 ** 63 - 1),
-                  threads=_check.whole("threads", threads, 0, 1024), **{kind: kind in kinds for kind in _NOISE})
+                  threads=_check.threads(threads), **{kind: kind in kinds for kind in _NOISE})
     return update(sensor)
 
 
@@ -168,13 +168,13 @@ def truth_of(field, points, rays, chief_rays, threads, progress):
     """The library's object that has found the ground truth of a light field."""
     truth = made(_core.Truth, input=field, rays=_check.whole("rays", rays, 1), chief_rays=bool(chief_rays),
                  points=[_check.several("points", point, 3, "points x, y, z in metres", _check.number) for point in points],
-                 threads=_check.whole("threads", threads, 0, 1024))
+                 threads=_check.threads(threads))
     return update(truth, progress, "truth")
 
 
 def corners_of(scene, rays, threads, progress):
     """Scene.corners()."""
-    corners = made(_core.Corners, scene=scene, rays=_check.whole("rays", rays, 1), threads=_check.whole("threads", threads, 0, 1024))
+    corners = made(_core.Corners, scene=scene, rays=_check.whole("rays", rays, 1), threads=_check.threads(threads))
     return Corners(*update(corners, progress, "corners").output)
 
 

@@ -164,7 +164,7 @@ class Operator(LinearOperator):
 
 def make_operator(scene, rows, settings, threads, progress=None):
     """Scene.operator(). rows: Settings of an operator; settings: those that are given."""
-    algorithm = made(_core.Operator, threads=_check.whole("threads", threads, 0, 1024))
+    algorithm = made(_core.Operator, threads=_check.threads(threads))
     scenes = cameras_of(scene)
     rows.set(algorithm, settings)
     for one in scenes:

@@ -165,7 +165,7 @@ def import_raw(pictures: Files, camera: Scene, *, threads: int = 0, progress: Pr
 
     Raises Error.
     """
-    run = made(_core.RawImport, threads=_check.whole("threads", threads, 0, 1024))
+    run = made(_core.RawImport, threads=_check.threads(threads))
     _run(run, _RAW, camera, _labelled(pictures, _path), settings, progress, "import")
     return Imported(LightField(run.output), json.loads(run.figures))
 
@@ -182,7 +182,7 @@ def calibrate_white(pictures: Files, camera: Scene | None = None, *, threads: in
 
     Raises Error.
     """
-    run = made(_core.White, threads=_check.whole("threads", threads, 0, 1024))
+    run = made(_core.White, threads=_check.threads(threads))
     _run(run, _WHITE, camera, _labelled(pictures, _path), settings, progress, "white")
     scene, centres, radii = run.output
     return White(Scene(text=scene, name="camera.toml") if scene else None, _table(centres), _table(radii), json.loads(run.figures))
@@ -205,7 +205,7 @@ def calibrate_radiometry(sources: Mapping[Any, Path | Sequence[Path]], camera: S
     """
     if not isinstance(sources, dict):
         raise Error(f"sources takes a dict of files by temperatures, not {sources!r}")
-    run = made(_core.Radiometry, threads=_check.whole("threads", threads, 0, 1024))
+    run = made(_core.Radiometry, threads=_check.threads(threads))
     pictures = _labelled(sources, _path, lambda key: _label(key if isinstance(key, tuple) else lengths(key, "K")))
     _run(run, _RADIOMETRY, camera, pictures, settings, progress, "radiometry")
     return Radiometry(run.output, json.loads(run.figures))
@@ -227,7 +227,7 @@ def calibrate_corners(pictures: Path | Sequence[Path], camera: Scene, *, threads
 
     Raises Error where no picture shows the board.
     """
-    run = made(_core.Boards, threads=_check.whole("threads", threads, 0, 1024))
+    run = made(_core.Boards, threads=_check.threads(threads))
     _run(run, _BOARDS, camera, _labelled(pictures, _path), settings, progress, "corners")
     return Boards(_table(run.output), json.loads(run.figures))
 

@@ -211,7 +211,8 @@ def _with_operator(algorithm, operator, settings):
     return {**settings, **own}
 
 
-_SETTINGS = Settings(_core.reconstruct_settings(), prior="Reconstruction | Path", start="Reconstruction | Path")
+_SETTINGS = Settings(_core.reconstruct_settings(), prior="Reconstruction | Path", start="Reconstruction | Path",
+                     basis="str | None", bin="int | str", refine="str | Sequence[str]")
 
 
 @_SETTINGS.arguments_of
@@ -232,10 +233,10 @@ def reconstruct(scene: Scene | Sequence[Scene], images: Image | Sequence[Image] 
     operator: one that Scene.operator() has made of these cameras. Its unknowns, rows and rays are used, so that several pictures
     need them once; and its matrix, if A.matrix was asked for
 
-    Returns Reconstruction. Raises Error with the sentence of the command. Ctrl-C raises KeyboardInterrupt; what was reached
-    by then is its `reconstruction` (None: nothing yet).
+    Returns Reconstruction; if `progress` ended the run early, with what was reached until then. Raises Error with the sentence
+    of the command. Ctrl-C raises KeyboardInterrupt; what was reached by then is its `reconstruction` (None: nothing yet).
     """
-    algorithm = made(_core.Reconstruction, threads=_check.whole("threads", threads, 0, 1024))
+    algorithm = made(_core.Reconstruction, threads=_check.threads(threads))
     scenes = cameras_of(scene)
     pictures = _pictures_of(images, scenes)
     if operator is not None:

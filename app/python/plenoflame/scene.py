@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _ESTIMATORS = {None: None, "backward": _core.Estimator.backward, "forward": _core.Estimator.forward}
 
-OPERATOR = Settings(_core.operator_settings())
+OPERATOR = Settings(_core.operator_settings(), basis="str | None", bin="int | str")
 _OPTIMIZE = Settings(_core.Optimize.settings())
 
 
@@ -341,7 +341,7 @@ class Scene(_home.Shown):
         source = made(_core.LightFieldSource, scene=self._scene, samples=_check.whole("samples", samples) or None,
                       seed=_seed_of(seed), estimator=_ESTIMATORS[_check.choice("estimator", estimator, _ESTIMATORS)],
                       target_error=target_error or None, time_limit=_check.number("time_limit", time_limit, 0) or None,
-                      threads=_check.whole("threads", threads, 0, 1024), truth=bool(truth), white=bool(white))
+                      threads=_check.threads(threads), truth=bool(truth), white=bool(white))
         if window is not None:
             source.window = self._window_of(window)
         update(source, progress, "render")
@@ -383,7 +383,7 @@ class Scene(_home.Shown):
             points=[_check.several("points", point, 3, "points x, y, z in metres", _check.number) for point in points],
             random=_check.whole("random", random), chief=bool(chief), rays_per_pixel=rays, rays_per_point=rays,
             flame_samples=_check.whole("flame_samples", flame_samples), seed=_seed_of(seed), most=_check.whole("most", most),
-            threads=_check.whole("threads", threads, 0, 1024))
+            threads=_check.threads(threads))
         if lens_type is not None:
             source.lens_type = _check.whole("lens_type", lens_type)
         if status is not None:

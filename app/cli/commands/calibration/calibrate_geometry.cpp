@@ -8,7 +8,6 @@
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
-#include "options.h"
 #include "outputs.h"
 #include "plenoflame/image/atomic_file.h"
 #include "plot.h"

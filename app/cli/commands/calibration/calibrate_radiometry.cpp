@@ -6,7 +6,6 @@
 #include "commands/calibration/calibration_options.h"
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
-#include "options.h"
 #include "outputs.h"
 #include "plenoflame/image/atomic_file.h"
 #include "radiometry_calibration.h"

@@ -6,7 +6,6 @@
 #include "commands/reconstruct/setting_options.h"
 #include "commands/scene_input.h"
 #include "messages.h"
-#include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"

@@ -10,7 +10,6 @@
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "messages.h"
-#include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"

@@ -6,7 +6,6 @@
 #include "choice.h"
 #include "commands/add_option.h"
 #include "commands/commands.h"
-#include "options.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/report.h"

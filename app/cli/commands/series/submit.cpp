@@ -110,7 +110,7 @@ void check_sweep(const SubmitArguments& submit, const std::vector<std::string>& 
   if (submit.scenes.size() > 1)
     throw UsageError("--sweep takes one scene, not " + std::to_string(submit.scenes.size()));
   SweepArguments arguments;
-  CLI::App sweep;
+  CLI::App sweep{"", "sweep"};
   std::vector<FileOption> file;
   add_sweep_options(sweep, arguments, file);
   for (const char* name : {"SCENE", "--output"}) sweep.get_option(name)->required(false);
@@ -130,7 +130,7 @@ void check_matrix(const SubmitArguments& submit, const std::vector<std::string>&
     throw UsageError("--operator takes one scene, not " + std::to_string(submit.scenes.size()));
   check_ending("--operator", submit.matrix, {".npz", ".h5"});
   OperatorArguments arguments;
-  CLI::App matrix;
+  CLI::App matrix{"", "operator"};
   std::vector<FileOption> file;
   add_operator_options(matrix, arguments, file);
   for (const char* name : {"SCENE", "--output"}) matrix.get_option(name)->required(false);

@@ -18,7 +18,7 @@ namespace {
 constexpr double kMostSeen = 1200;  ///< microlenses
 constexpr double kLeastPitch = 6;   ///< [screen pixel]
 constexpr double kMargin = 0.3;     ///< on each side, of the part in view
-constexpr double kLargest = 8;      ///< of a part, in areas of what is in view: else it is coarse
+constexpr double kLargest = 8;      ///< of a part, in areas of a new one: else it is coarse
 constexpr double kNear = 3.5;       ///< pitches on each side of a pixel
 constexpr double kFaces = 1e5;      ///< of all microlenses together
 constexpr int kLeastSectors = 8, kMostSectors = 28;
@@ -53,9 +53,10 @@ ArrayPart around(const std::vector<Vec3>& points, const Camera& camera) {
 
 }  // namespace
 
-bool ArrayPart::suits(const ArrayPart& in_view) const {
+bool ArrayPart::suits(const ArrayPart& in_view, const Camera& camera) const {
   if (empty() || in_view.empty()) return empty() && in_view.empty();
-  return has(in_view.lower) && has(in_view.upper) && area() <= kLargest * in_view.area();
+  return has(in_view.lower) && has(in_view.upper) &&
+         area() <= kLargest * with_margin(in_view, camera).area();
 }
 
 Vec3 array_shift(const Camera& camera, const Schematic& drawing) {

@@ -20,8 +20,8 @@ struct ArrayPart {
   bool has(Vec2 p) const {
     return lower.x <= p.x && p.x <= upper.x && lower.y <= p.y && p.y <= upper.y;
   }
-  /// True if it holds the part in view, and is not much larger.
-  bool suits(const ArrayPart& in_view) const;
+  /// True if it holds the part in view, and is not much larger than a new one would be.
+  bool suits(const ArrayPart& in_view, const Camera& camera) const;
   friend bool operator==(const ArrayPart&, const ArrayPart&) = default;
 };
 

@@ -408,7 +408,7 @@ void SceneView::add_arrays() {
     const bool near_pixel = i == 0 && is_close();
     const ArrayPart part = near_pixel ? lenses_near(camera, pixel())
                                       : large_lenses(camera, schematic_of(i), *view_->renderer);
-    if (part == shown[i] || (!near_pixel && shown[i].suits(part))) continue;
+    if (part == shown[i] || (!near_pixel && shown[i].suits(part, camera))) continue;
     shown[i] = near_pixel || part.empty() ? part : with_margin(part, camera);
     changed = true;
   }

@@ -145,9 +145,9 @@ class SceneView : public QWidget {
   void add_camera();
   /// Middle of the selected pixel, or of the sensor [columns, rows].
   std::array<double, 2> pixel() const;
-  /// Microlenses where they are seen large, plates elsewhere.
+  /// Shows microlenses where they are seen large, and plates elsewhere.
   void add_arrays();
-  /// Before each drawing: whatever depends on the eye's place.
+  /// Updates, before each drawing, whatever depends on the eye's place.
   void follow_eye();
   /// Makes the parts of a camera seen before the dark, and its glass mirror.
   void polish(const std::string& layer);

@@ -286,7 +286,8 @@ bool SceneView::eventFilter(QObject* object, QEvent* event) {
   if (object == view_->widget) {
     if (event->type() == QEvent::Wheel) {
       const auto* const wheel = static_cast<QWheelEvent*>(event);
-      zoom(wheel->position(), std::pow(2.0, wheel->angleDelta().y() / 240.0));
+      const int turn = wheel->angleDelta().y();
+      if (turn != 0) zoom(wheel->position(), std::pow(2.0, turn / 240.0));
       return true;
     }
     // VTK's own keys, from wire frames to pictures for red and green glasses, are not for users:

@@ -76,6 +76,7 @@ struct SceneView::View {
   /// Glass before glass is sorted at rest alone. Without a graphics card this takes longer than all
   /// else, and even VTK's mean of unsorted glass takes a quarter of the time.
   void sort_glass(bool on) {
+    rest.stop();
     renderer->SetUseDepthPeeling(on);
     renderer->SetPass(on ? nullptr : in_order.GetPointer());
   }

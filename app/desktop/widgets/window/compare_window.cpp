@@ -98,9 +98,13 @@ void CompareWindow::fill(std::size_t side) {
   const Document& document = sessions_[side]->document();
   titles_[side]->setText(QString::fromStdString(document.name()));
   const auto& field = document.image();
-  if (!field || field->channels.empty()) return images_[side]->set_image(nullptr);
-  const std::shared_ptr<const Image> flux(field, &field->channels[0].flux);
-  images_[side]->set_image(std::make_shared<const ImagePyramid>(flux, Execution{1, {}, {}, {}}));
+  std::shared_ptr<const ImagePyramid> picture;
+  if (field && !field->channels.empty())
+    picture = std::make_shared<const ImagePyramid>(
+        std::shared_ptr<const Image>(field, &field->channels[0].flux), Execution{1, {}, {}, {}});
+  images_[side]->set_image(picture);
+  scenes_[side]->set_image(picture);
+  if (!picture) return;
   titles_[side]->setText(
       tr("%1: %2 of %3")
           .arg(titles_[side]->text(), QString::fromStdString(field->channels[0].name))
