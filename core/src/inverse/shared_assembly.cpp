@@ -5,6 +5,7 @@
 #include <chrono>
 #include <deque>
 #include <exception>
+#include <iterator>
 #include <mutex>
 #include <new>
 #include <optional>
@@ -27,7 +28,7 @@ namespace {
 constexpr char kDraw = 'd';        ///< from rank 0: windows, box, settings
 constexpr char kModel = 'l';       ///< from rank 0: what rows are, and the absorption
 constexpr char kEntries = 'n';     ///< from rank 0: rows
-constexpr char kMatrix = 'm';      ///< from rank 0: estimated bytes
+constexpr char kMatrix = 'm';      ///< from rank 0: estimated bytes, largest share
 constexpr char kParts = 'p';       ///< from rank 0: OwnRows::set_parts()
 constexpr char kTimes = 'x';       ///< from rank 0: x
 constexpr char kTransposed = 'y';  ///< from rank 0: the rank's part of y
@@ -67,52 +68,63 @@ struct DrawnWindow {
   PixelWindow window;
 };
 
-/// The windows of each rank, in the order of the rows, with about equal numbers of rays.
-std::vector<std::vector<DrawnWindow>> windows_of_ranks(const std::vector<CameraView>& views,
-                                                       const Box& box, CameraRaySettings settings,
-                                                       std::size_t ranks,
-                                                       const Execution& execution) {
-  struct Line {
-    std::size_t view;
-    int line;  ///< of the view's window
-  };
-  const bool by_cameras = settings.cells > 0;
+/// Windows of a rank, and about the number of their rays.
+struct RankWindows {
+  std::vector<DrawnWindow> windows;
+  std::size_t rays;
+};
+
+/// Those of each rank, in the order of the rows, with about equal numbers of rays.
+std::vector<RankWindows> windows_of_ranks(const std::vector<CameraView>& views, const Box& box,
+                                          CameraRaySettings settings, std::size_t ranks,
+                                          const Execution& execution) {
+  using Row = CameraRays::Row;
+  const auto top = [&](int view) { return window_of(views[static_cast<std::size_t>(view)]).y; };
   settings.samples = settings.replicates;
   const CameraRays few = counted_camera_rays(views, box, settings, execution);
-  std::vector<Line> begins{{0, 0}};
+  std::vector<Row> starts;  // where a rank may begin: lines, or cameras with cells
+  for (Row row : few.rows) {
+    if (settings.cells > 0) row.row = top(row.view);
+    if (starts.empty() || row.view != starts.back().view || row.row != starts.back().row)
+      starts.push_back(row);
+  }
+  starts.push_back({static_cast<int>(views.size()), 0, 0, few.ray_count()});
+  std::vector<Row> begins{{0, 0, top(0), 0}};
   for (std::size_t rank = 1; rank < ranks; ++rank) {
-    const auto at = std::ranges::lower_bound(few.rows, few.ray_count() * rank / ranks, {},
-                                             &CameraRays::Row::begin);
-    if (at == few.rows.end()) {
-      begins.push_back({views.size(), 0});
-      continue;
-    }
-    const auto view = static_cast<std::size_t>(at->view);
-    begins.push_back({view, by_cameras ? 0 : at->row - window_of(views[view]).y});
+    const std::size_t wanted = few.ray_count() * rank / ranks;
+    auto at = std::ranges::lower_bound(starts, wanted, {}, &Row::begin);
+    if (at != starts.begin() && wanted - std::prev(at)->begin < at->begin - wanted) --at;
+    begins.push_back(*at);
   }
-  begins.push_back({views.size(), 0});
-  std::vector<std::vector<DrawnWindow>> windows(ranks);
+  begins.push_back(starts.back());
+  std::vector<RankWindows> all(ranks);
   for (std::size_t rank = 0; rank < ranks; ++rank) {
-    const Line &begin = begins[rank], &end = begins[rank + 1];
-    for (std::size_t v = begin.view; v < views.size() && v <= end.view; ++v) {
+    const Row &begin = begins[rank], &end = begins[rank + 1];
+    all[rank].rays = end.begin - begin.begin;
+    for (auto v = static_cast<std::size_t>(begin.view); v < views.size(); ++v) {
       PixelWindow window = window_of(views[v]);
-      const int from = v == begin.view ? begin.line : 0;
-      const int to = v == end.view ? end.line : window.height;
-      window.y += from;
-      window.height = to - from;
-      if (to > from) windows[rank].push_back({v, window});
+      const int bottom = window.y + window.height;
+      if (static_cast<int>(v) == begin.view) window.y = begin.row;
+      window.height = (static_cast<int>(v) == end.view ? end.row : bottom) - window.y;
+      if (window.height > 0) all[rank].windows.push_back({v, window});
+      if (static_cast<int>(v) == end.view) break;
     }
   }
-  return windows;
+  return all;
+}
+
+std::vector<CameraView> views_of(const std::vector<CameraView>& all,
+                                 const std::vector<DrawnWindow>& windows) {
+  std::vector<CameraView> views;
+  for (const DrawnWindow& own : windows) views.push_back({all.at(own.view).scene, own.window});
+  return views;
 }
 
 /// The rows of a rank, with the numbers of all views.
 CameraRays drawn_rays(const std::vector<CameraView>& all, const std::vector<DrawnWindow>& windows,
                       const Box& box, const CameraRaySettings& settings,
                       const Execution& execution) {
-  std::vector<CameraView> views;
-  for (const DrawnWindow& own : windows) views.push_back({all.at(own.view).scene, own.window});
-  CameraRays rays = draw_camera_rays(views, box, settings, execution);
+  CameraRays rays = draw_camera_rays(views_of(all, windows), box, settings, execution);
   for (CameraRays::Row& row : rays.rows)
     row.view = static_cast<int>(windows[static_cast<std::size_t>(row.view)].view);
   return rays;
@@ -141,10 +153,16 @@ void append_rows(const RankMessage& message, CameraRays& all, std::size_t& count
   count += reader.get<std::size_t>();
 }
 
-/// The rows of a rank, whose rays are given back. @throws InputError: there is no memory for them
+/// [byte] of a matrix that ranks of this machine keep, each with this share at most.
+double bytes_here(double bytes, double share, const Communicator& ranks) {
+  return bytes * std::min(1.0, share * ranks.ranks_on_node());
+}
+
+/// The rows of a rank, whose rays are given back. @param bytes of all rows on this machine
+/// @throws InputError: there is no memory for them
 CsrMatrix<float> take_matrix(EmissionProblem problem, CameraRays& rays, double bytes,
                              const Execution& execution) {
-  require_memory(bytes, "a rank's rows of the matrix",
+  require_memory(bytes, "the rows of the matrix on a machine",
                  "take more machines, a coarser grid, or larger blocks of pixels");
   problem.rays = &rays;
   CsrMatrix<float> matrix = make_emission_matrix(problem, execution);
@@ -181,6 +199,7 @@ class BusyCommunicator final : public Communicator {
   explicit BusyCommunicator(Communicator& ranks) : ranks_(ranks) {}
   int rank() const override { return ranks_.rank(); }
   int size() const override { return ranks_.size(); }
+  int ranks_on_node() const override { return ranks_.ranks_on_node(); }
   void send(int to, std::string bytes) override { ranks_.send(to, std::move(bytes)); }
   std::optional<RankMessage> receive() override {
     if (early_.empty()) return ranks_.receive();
@@ -331,7 +350,9 @@ class ServedRows {
         break;
       }
       case kMatrix: {
-        own_.emplace(take_matrix(problem_, rays_, reader.get<double>(), execution_), execution_);
+        const auto bytes = reader.get<double>(), share = reader.get<double>();
+        own_.emplace(take_matrix(problem_, rays_, bytes_here(bytes, share, ranks_), execution_),
+                     execution_);
         const auto starts = own_->matrix().row_starts();
         ranks_.send(0, message_of(kAnswer, std::vector(starts.begin(), starts.end())));
         break;
@@ -389,6 +410,16 @@ SharedAssembly::~SharedAssembly() {
   }
 }
 
+bool SharedAssembly::can_share(std::size_t cameras, const CameraRaySettings& settings) const {
+  const auto ranks = static_cast<std::size_t>(ranks_.size());
+  return ranks > 1 && (settings.cells == 0 || cameras >= ranks);
+}
+
+double SharedAssembly::memory(double bytes, std::size_t columns) const {
+  return bytes_here(bytes, largest_, ranks_) +
+         static_cast<double>(sizeof(double) * columns) * ranks_.size();
+}
+
 void SharedAssembly::forget() {
   own_ = {};
   send_all(ranks_, std::string(1, kForget));
@@ -400,17 +431,19 @@ CameraRays SharedAssembly::rays(const std::vector<CameraView>& views, const Box&
   forget();
   const auto ranks = static_cast<std::size_t>(ranks_.size());
   const auto windows = windows_of_ranks(views, box, settings, ranks, execution);
-  std::vector<CameraView> own_views;
-  for (const DrawnWindow& own : windows[0])
-    own_views.push_back({views[own.view].scene, own.window});
-  const CameraRaySettings how = kept_or_drawn(form, own_views, box, settings, execution);
+  const RankWindows& most = *std::ranges::max_element(windows, {}, &RankWindows::rays);
+  std::size_t all_rays = 0;
+  for (const RankWindows& own : windows) all_rays += own.rays;
+  largest_ = all_rays > 0 ? static_cast<double>(most.rays) / static_cast<double>(all_rays) : 1;
+  const CameraRaySettings how = kept_or_drawn(form, views_of(views, most.windows), box, settings,
+                                              execution, ranks_.ranks_on_node());
   for (std::size_t rank = 1; rank < ranks; ++rank) {
-    std::string bytes = message_of(kDraw, windows[rank]);
+    std::string bytes = message_of(kDraw, windows[rank].windows);
     put(bytes, box);
     put(bytes, how);
     ranks_.send(static_cast<int>(rank), std::move(bytes));
   }
-  own_ = drawn_rays(views, windows[0], box, how, execution);
+  own_ = drawn_rays(views, windows[0].windows, box, how, execution);
   std::vector<RankMessage> rows = answers(ranks_, execution.stop);
   rows[0].bytes = rows_message(own_);
   CameraRays all;
@@ -453,9 +486,10 @@ std::size_t SharedAssembly::entries(const EmissionProblem& problem) {
 std::unique_ptr<LinearOperator> SharedAssembly::matrix(const EmissionProblem& problem, double bytes,
                                                        const Execution& execution) {
   std::string message(1, kMatrix);
-  bytes /= ranks_.size();
   put(message, bytes);
+  put(message, largest_);
   send_all(ranks_, message);
+  bytes = bytes_here(bytes, largest_, ranks_);
   return std::make_unique<SharedMatrix>(ranks_, first_,
                                         take_matrix(problem, own_, bytes, execution), execution);
 }

@@ -8,6 +8,7 @@
 
 #include "core/inverse/random_vectors.h"
 #include "core/inverse/thread_ranks.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
 
 namespace plenoflame::test::shared_assembly_test {
@@ -30,7 +31,7 @@ Execution threads(int count) {
   return execution;
 }
 
-/// Counts the bytes that a rank hands on.
+/// Finds the longest message that a rank hands on.
 class Counting final : public Communicator {
  public:
   Counting(Post& post, int rank) : own_(post, rank) {}
@@ -114,13 +115,60 @@ TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
   }
 }
 
-TEST(SharedAssembly, RefusesWhatDoesNotFitIntoMemory) {
-  const Cameras cameras = make_cameras(1, 4);
+TEST(SharedAssembly, SharesCellsOutByCameras) {
+  Cameras cameras = make_cameras(1, 16);
+  cameras.settings.cells = 1;
+  std::vector<CameraView> views = cameras.views();
+  std::swap(views[0], views[1]);
+  const Box box = cameras.unknowns->bounds();
+  std::vector<double> rays;
+  for (const CameraView& view : views)
+    rays.push_back(
+        static_cast<double>(draw_camera_rays({view}, box, cameras.settings).ray_count()));
+  const double larger = rays[0] / (rays[0] + rays[1]);
+  ASSERT_GT(larger, 0.51);  // the middle is in this camera
+  for (const int on_node : {1, 2}) {
+    Post post(2);
+    std::jthread other([&] {
+      ThreadRank own(post, 1);
+      serve_assembly(views, *cameras.unknowns, own, {});
+    });
+    ThreadRank first(post, 0, on_node);
+    SharedAssembly assembly(first);
+    EXPECT_TRUE(assembly.can_share(2, cameras.settings));
+    EXPECT_FALSE(assembly.can_share(1, cameras.settings));
+    EXPECT_TRUE(assembly.can_share(1, {}));
+    assembly.rays(views, box, OperatorForm::automatic, cameras.settings, {});
+    EXPECT_NEAR(assembly.memory(1, 0), on_node == 1 ? larger : 1, 0.01 * larger);
+    EXPECT_EQ(assembly.memory(0, 10), 2 * 10 * sizeof(double));
+  }
+}
+
+TEST(SharedAssembly, OneRankSharesNothing) {
   Post post(1);
   ThreadRank first(post, 0);
-  SharedAssembly assembly(first);
-  const CameraRays rays = rays_by(assembly, cameras);
-  EXPECT_THROW(assembly.matrix(problem_of(cameras, rays), 1e18, {}), InputError);
+  EXPECT_FALSE(SharedAssembly(first).can_share(2, {}));
+}
+
+TEST(SharedAssembly, CountsTheMemoryOfAllRanksOfAMachine) {
+  const Cameras cameras = make_cameras(1, 4);
+  const double bytes = 1.5 * available_memory();
+  for (const int on_node : {1, 2}) {
+    Post post(2);
+    std::jthread other([&] {
+      ThreadRank own(post, 1);
+      serve_assembly(cameras.views(), *cameras.unknowns, own, {});
+    });
+    ThreadRank first(post, 0, on_node);
+    SharedAssembly assembly(first);
+    const CameraRays rays = rays_by(assembly, cameras);
+    const EmissionProblem problem = problem_of(cameras, rays);
+    assembly.entries(problem);
+    if (on_node == 1)
+      EXPECT_NO_THROW(assembly.matrix(problem, bytes, {}));
+    else
+      EXPECT_THROW(assembly.matrix(problem, bytes, {}), InputError);
+  }
 }
 
 /// Another rank that never answers. The stop comes when somebody waits for it.

@@ -16,16 +16,19 @@ namespace plenoflame {
 class SharedAssembly {
  public:
   /// The other ranks are on their way to serve_assembly(), with the same cameras and unknowns.
-  explicit SharedAssembly(Communicator& ranks) : ranks_(ranks) {}
+  explicit SharedAssembly(Communicator& ranks) : ranks_(ranks), largest_(1.0 / ranks.size()) {}
   /// The others leave serve_assembly().
   ~SharedAssembly();
   SharedAssembly(const SharedAssembly&) = delete;
   SharedAssembly& operator=(const SharedAssembly&) = delete;
 
-  int ranks() const { return ranks_.size(); }
+  /// Tells if each rank gets rows. Cells of micro-images are shared out by cameras.
+  bool can_share(std::size_t cameras, const CameraRaySettings& settings) const;
+  /// [byte] of the parts of a matrix on this machine, at most, and of the vectors on their way.
+  /// @param bytes of the whole matrix
+  double memory(double bytes, std::size_t columns) const;
   /// The rows of all ranks. Each keeps the rays of its own until the matrix is made, or draws them
   /// twice, where their memory is too large by the form. Here they are drawn again (RaySource).
-  /// Rows that are cells of micro-images are shared out by cameras.
   /// @throws as rays_of_form(); Error with what another rank says is wrong
   CameraRays rays(const std::vector<CameraView>& views, const Box& box, OperatorForm form,
                   const CameraRaySettings& settings, const Execution& execution);
@@ -42,6 +45,7 @@ class SharedAssembly {
 
  private:
   Communicator& ranks_;
+  double largest_;  ///< share of a rank, about
   CameraRays own_;
   std::vector<std::size_t> first_;  ///< row of each rank; then the number of rows
 };
