@@ -35,17 +35,20 @@ class SharedAssembly {
   /// Tells what rows are. Returns estimated_entries().
   std::size_t entries(const EmissionProblem& problem);
   /// The matrix as an operator, as make_csr_operator(). Its products do not end early, and throw
-  /// Error with what another rank says is wrong.
+  /// Error with what another rank says is wrong. Its end is forget().
   /// @param problem that of entries(), with these rays @param bytes of the whole matrix, estimated
   /// @throws InputError: a rank has no memory for its rows; Error as the products; Cancelled
   std::unique_ptr<LinearOperator> matrix(const EmissionProblem& problem, double bytes,
                                          const Execution& execution);
-  /// Gives back all memory.
+  /// Gives back all memory, and ends what ranks are at.
   void forget();
 
  private:
+  class Matrix;
+
   Communicator& ranks_;
   double largest_;  ///< share of a rank, about
+  int epoch_ = 0;   ///< raised by forget(): answers of earlier ones do not count
   CameraRays own_;
   std::vector<std::size_t> first_;  ///< row of each rank; then the number of rows
 };
