@@ -410,7 +410,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     settings.assembly->forget();
     drawn = rays_of_form(settings.form, views, box, how, without_reports(execution));
   }
-  result.drawn = rays.source != nullptr;
+  result.drawn = rays.source && !shared;
   ReconstructionSettings held = settings;
   if (!result.stored) held.memory = 0;
   require_vector_memory(held, *input.unknowns, unknowns, result.rows,
@@ -542,7 +542,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
         if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
-          how.keep = !result.drawn;
+          how.keep = !rays.source;
           const auto add_to_deviation = [&](std::span<const double> change) {
             const std::vector<double> moved = followed(change);
             result.camera_deviation.resize(moved.size());
