@@ -26,7 +26,7 @@
 namespace plenoflame {
 namespace {
 
-// First bytes of the messages; what follows them. Those of other ranks end with their epoch.
+// First bytes of the messages; what follows them. Messages of other ranks end with their epoch.
 constexpr char kDraw = 'd';        ///< from rank 0: windows, box, settings
 constexpr char kModel = 'l';       ///< from rank 0: what rows are, and the absorption
 constexpr char kEntries = 'n';     ///< from rank 0: rows
@@ -77,7 +77,7 @@ struct RankWindows {
   std::size_t rays;
 };
 
-/// Those of each rank, in the order of the rows, with about equal numbers of rays.
+/// The windows of each rank, in the order of the rows, with about equal numbers of rays.
 std::vector<RankWindows> windows_of_ranks(const std::vector<CameraView>& views, const Box& box,
                                           CameraRaySettings settings, std::size_t ranks,
                                           const Execution& execution) {
