@@ -9,7 +9,6 @@ namespace plenoflame::cli {
 /// A communicator with its begin and end.
 class JobCommunicator : public Communicator {
  public:
-  virtual int ranks_on_node() const = 0;  ///< this one included
   virtual bool all_sent() = 0;
   /// After this there are no more messages. Waits for the others to come here.
   virtual void finish() = 0;

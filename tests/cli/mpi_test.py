@@ -173,7 +173,7 @@ look_direction = [0, 1, 0]
         self.assert_same("set", "one")
 
     def test_a_reconstruction_has_the_same_bits(self):
-        """Rays and rows that any number of ranks make: with an axis that is fitted first, and of two quantities."""
+        """With an axis that is fitted first, and of two quantities. The matrix is too small for several ranks, and stays on the first one."""
         self.succeeds("flame", "candle", "--voxel-size", "1 mm", "-o", "candle.vdb")
         common = ("--unknowns", "rings", "--grid", "4,6", "--draws", "0", "--probes", "0", "--quiet")
         for scene, all_ranks, more in (
@@ -236,7 +236,7 @@ sys.exit(status)
         for ranks in (2, 3):
             each = memory(ranks, *common)
             self.assertEqual([self.read(name) for name in ("x.vdb", "a.exr", "b.exr")], files, ranks)
-            self.assertEqual(json.loads(self.read("x.json")) | {"rays_kept": True}, figures, ranks)
+            self.assertEqual(json.loads(self.read("x.json")), figures, ranks)
             self.assertLess((max(each) - idle) / one, 0.1 + 1.2 / ranks, (each, idle, one))
 
     def test_wrong_input_is_said_once(self):

@@ -363,15 +363,19 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   const BuiltRows& built = input.built;
   if (built.rays) check_built(input, settings);
   // Ranks draw the rays of their rows, and this one keeps none.
-  const bool may_share =
-      settings.assembly && !built.rays && may_be_stored(settings) && !wants_matrix(settings.solver);
-  const double shares = may_share ? settings.assembly->ranks() : 1;
+  const bool may_share = settings.assembly &&
+                         settings.assembly->can_share(views.size(), settings.rays) && !built.rays &&
+                         may_be_stored(settings) && !wants_matrix(settings.solver);
+  const std::size_t unknowns = input.unknowns->size();
+  const auto memory = [&](double bytes, bool shared) {
+    return shared ? settings.assembly->memory(bytes, unknowns) : bytes;
+  };
   if (must_be_stored(settings) && !built.rays) {  // before all rays are drawn
     const double least =
         kBytesOfEntry * least_entries({nullptr, input.unknowns, model, input.absorption}, views,
                                       settings.rays, execution);
     is_stored(settings, least, true);
-    require_vector_memory(settings, *input.unknowns, input.unknowns->size(), 0, least / shares);
+    require_vector_memory(settings, *input.unknowns, unknowns, 0, memory(least, may_share));
   }
   const Execution solving = part_of_progress(execution, 0, settings.test_model ? kUntested : 1);
   const Execution drawing = part_of_progress(solving, 0, kDrawingShare);
@@ -396,7 +400,6 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   result.model = model;
   result.rows = rays.rows.size();
   result.rays = rays.ray_count();
-  const std::size_t unknowns = input.unknowns->size();
   require_vector_memory(settings, *input.unknowns, unknowns, result.rows);
   const EmissionProblem problem{&rays, input.unknowns, result.model, input.absorption};
   result.matrix_bytes =
@@ -408,12 +411,11 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     settings.assembly->forget();
     drawn = rays_of_form(settings.form, views, box, how, without_reports(execution));
   }
-  result.drawn = rays.source != nullptr;
+  result.drawn = rays.source && !shared;
   ReconstructionSettings held = settings;
   if (!result.stored) held.memory = 0;
-  require_vector_memory(
-      held, *input.unknowns, unknowns, result.rows,
-      result.stored && !built.matrix ? result.matrix_bytes / (shared ? shares : 1) : 0);
+  require_vector_memory(held, *input.unknowns, unknowns, result.rows,
+                        result.stored && !built.matrix ? memory(result.matrix_bytes, shared) : 0);
   // A stop ends the solution between two iterations, so that what was reached is kept.
   const Execution quiet = execution.threads_only();
   CsrMatrix<float> made;
@@ -541,7 +543,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
         if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];
-          how.keep = !result.drawn;
+          how.keep = !rays.source;
           const auto add_to_deviation = [&](std::span<const double> change) {
             const std::vector<double> moved = followed(change);
             result.camera_deviation.resize(moved.size());

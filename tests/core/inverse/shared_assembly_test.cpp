@@ -3,12 +3,17 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+#include <new>
 #include <thread>
 #include <tuple>
+#include <utility>
 
 #include "core/inverse/random_vectors.h"
 #include "core/inverse/thread_ranks.h"
+#include "plenoflame/base/available_memory.h"
 #include "plenoflame/base/error.h"
+#include "support/approx.h"
 
 namespace plenoflame::test::shared_assembly_test {
 namespace {
@@ -19,9 +24,9 @@ EmissionProblem problem_of(const Cameras& cameras, const CameraRays& rays) {
 }
 
 CameraRays rays_by(SharedAssembly& assembly, const Cameras& cameras,
-                   const Execution& execution = {}) {
-  return assembly.rays(cameras.views(), cameras.unknowns->bounds(), OperatorForm::automatic,
-                       cameras.settings, execution);
+                   const Execution& execution = {}, OperatorForm form = OperatorForm::automatic) {
+  return assembly.rays(cameras.views(), cameras.unknowns->bounds(), form, cameras.settings,
+                       execution);
 }
 
 Execution threads(int count) {
@@ -30,7 +35,7 @@ Execution threads(int count) {
   return execution;
 }
 
-/// Counts the bytes that a rank hands on.
+/// Finds the longest message that a rank hands on.
 class Counting final : public Communicator {
  public:
   Counting(Post& post, int rank) : own_(post, rank) {}
@@ -62,9 +67,11 @@ void expect_same_rows(const CameraRays& drawn, const CameraRays& kept) {
 TEST(SharedAssembly, HasTheBitsOfOneProcess) {
   struct Case {
     int bin, cells, samples, ranks;
+    OperatorForm form = OperatorForm::automatic;
   };
-  for (const auto& [bin, cells, samples, ranks] :
-       {Case{1, 0, 16, 2}, Case{1, 0, 16, 5}, Case{3, 0, 8, 3}, Case{1, 1, 16, 3}}) {
+  for (const auto& [bin, cells, samples, ranks, form] :
+       {Case{1, 0, 16, 2}, Case{1, 0, 16, 5}, Case{3, 0, 8, 3}, Case{1, 1, 16, 3},
+        Case{2, 0, 8, 3, OperatorForm::drawn}}) {
     Cameras cameras = make_cameras(bin, samples);
     cameras.settings.cells = cells;
     const CameraRays kept =
@@ -82,7 +89,7 @@ TEST(SharedAssembly, HasTheBitsOfOneProcess) {
       });
     ThreadRank first(post, 0);
     SharedAssembly assembly(first);
-    const CameraRays rays = rays_by(assembly, cameras, threads(2));
+    const CameraRays rays = rays_by(assembly, cameras, threads(2), form);
     expect_same_rows(rays, kept);
     const EmissionProblem problem = problem_of(cameras, rays);
     EXPECT_EQ(assembly.entries(problem), estimated_entries(problem_of(cameras, kept)));
@@ -114,13 +121,147 @@ TEST(SharedAssembly, AnotherRanksFailureEndsIt) {
   }
 }
 
-TEST(SharedAssembly, RefusesWhatDoesNotFitIntoMemory) {
-  const Cameras cameras = make_cameras(1, 4);
+TEST(SharedAssembly, SharesCellsOutByCameras) {
+  Cameras cameras = make_cameras(1, 16);
+  cameras.settings.cells = 1;
+  std::vector<CameraView> views = cameras.views();
+  std::swap(views[0], views[1]);
+  const Box box = cameras.unknowns->bounds();
+  std::vector<double> rays;
+  for (const CameraView& view : views)
+    rays.push_back(
+        static_cast<double>(draw_camera_rays({view}, box, cameras.settings).ray_count()));
+  const double larger = rays[0] / (rays[0] + rays[1]);
+  ASSERT_GT(larger, 0.51);  // the middle is in this camera
+  for (const int on_node : {1, 2}) {
+    Post post(2);
+    std::jthread other([&] {
+      ThreadRank own(post, 1);
+      serve_assembly(views, *cameras.unknowns, own, {});
+    });
+    ThreadRank first(post, 0, on_node);
+    SharedAssembly assembly(first);
+    EXPECT_TRUE(assembly.can_share(2, cameras.settings));
+    EXPECT_FALSE(assembly.can_share(1, cameras.settings));
+    EXPECT_TRUE(assembly.can_share(1, {}));
+    assembly.rays(views, box, OperatorForm::automatic, cameras.settings, {});
+    const double share = on_node == 1 ? larger : 1;
+    EXPECT_TRUE(relative(assembly.memory(1, 0), share, 0.01));
+    EXPECT_EQ(assembly.memory(0, 10), 2 * 10 * sizeof(double));
+  }
+}
+
+TEST(SharedAssembly, OneRankSharesNothing) {
   Post post(1);
   ThreadRank first(post, 0);
+  EXPECT_FALSE(SharedAssembly(first).can_share(2, {}));
+}
+
+TEST(SharedAssembly, CountsTheMemoryOfAllRanksOfAMachine) {
+  const Cameras cameras = make_cameras(1, 4);
+  const double bytes = 1.5 * available_memory();
+  for (const int on_node : {1, 2}) {
+    Post post(2);
+    std::jthread other([&] {
+      ThreadRank own(post, 1);
+      serve_assembly(cameras.views(), *cameras.unknowns, own, {});
+    });
+    ThreadRank first(post, 0, on_node);
+    SharedAssembly assembly(first);
+    const CameraRays rays = rays_by(assembly, cameras);
+    const EmissionProblem problem = problem_of(cameras, rays);
+    assembly.entries(problem);
+    if (on_node == 1)
+      EXPECT_NO_THROW(assembly.matrix(problem, bytes, {}));
+    else
+      EXPECT_THROW(assembly.matrix(problem, bytes, {}), InputError);
+  }
+}
+
+/// Does something before its messages go.
+class Meddling final : public Communicator {
+ public:
+  Meddling(Post& post, int rank, std::function<void(const std::string&)> before)
+      : own_(post, rank), before_(std::move(before)) {}
+  int rank() const override { return own_.rank(); }
+  int size() const override { return own_.size(); }
+  void send(int to, std::string bytes) override {
+    before_(bytes);
+    own_.send(to, std::move(bytes));
+  }
+  std::optional<RankMessage> receive() override { return own_.receive(); }
+
+ private:
+  ThreadRank own_;
+  std::function<void(const std::string&)> before_;
+};
+
+TEST(SharedAssembly, GoesOnAfterAFailure) {
+  const Cameras cameras = make_cameras(1, 4);
+  const CameraRays kept =
+      draw_camera_rays(cameras.views(), cameras.unknowns->bounds(), cameras.settings);
+  const CsrMatrix<float> matrix = make_emission_matrix(problem_of(cameras, kept), {});
+  const auto x = random_vector(matrix.columns(), 0, 1, 1);
+  const auto y = random_vector(matrix.rows(), -1, 1, 2);
+  Post post(3);
+  bool fails = false;
+  std::vector<std::jthread> others;
+  for (int rank = 1; rank < 3; ++rank)
+    others.emplace_back([&, rank] {
+      Meddling own(post, rank, [&](const std::string&) {
+        if (rank == 1 && std::exchange(fails, false)) throw std::bad_alloc();
+      });
+      serve_assembly(cameras.views(), *cameras.unknowns, own, {});
+    });
+  ThreadRank first(post, 0);
   SharedAssembly assembly(first);
-  const CameraRays rays = rays_by(assembly, cameras);
-  EXPECT_THROW(assembly.matrix(problem_of(cameras, rays), 1e18, {}), InputError);
+  std::stop_source stop;
+  stop.request_stop();
+  Execution stopped;
+  stopped.stop = stop.get_token();
+  // This rank alone stops; the others' answers come later. Then a rank fails during a product.
+  for (int turn = 0; turn < 4; ++turn) {
+    const CameraRays rays = rays_by(assembly, cameras);
+    const EmissionProblem problem = problem_of(cameras, rays);
+    EXPECT_EQ(assembly.entries(problem), estimated_entries(problem_of(cameras, kept)));
+    if (turn == 0) {
+      EXPECT_THROW(assembly.matrix(problem, 1e6, stopped), Cancelled);
+      continue;
+    }
+    const auto shared = assembly.matrix(problem, 1e6, {});
+    fails = turn < 3;
+    try {
+      if (turn == 1) static_cast<void>(transposed_times(*shared, y));
+      EXPECT_EQ(*shared * x, *make_csr_operator(matrix) * x);
+      EXPECT_EQ(turn, 3);
+    } catch (const Error& error) {
+      EXPECT_STREQ(error.what(), "a rank has not enough memory");
+    }
+  }
+}
+
+TEST(SharedAssembly, EndsTheWorkOfOthers) {
+  const Cameras cameras = make_cameras(1, 1 << 10);  // some seconds of work
+  Post post(2);
+  std::stop_source stop;
+  Execution execution;
+  execution.stop = stop.get_token();
+  {
+    std::jthread other([&] {
+      ThreadRank own(post, 1);
+      EXPECT_TRUE(serve_assembly(cameras.views(), *cameras.unknowns, own, threads(1)));
+    });
+    int messages = 0;
+    Meddling first(post, 0, [&](const std::string&) {
+      if (++messages == 2) stop.request_stop();  // the rays are asked for
+    });
+    SharedAssembly assembly(first);
+    EXPECT_THROW(rays_by(assembly, cameras, execution, OperatorForm::drawn), Cancelled);
+  }
+  ThreadRank first(post, 0);
+  const auto answer = first.receive();
+  ASSERT_TRUE(answer);
+  EXPECT_NE(answer->bytes.find("a rank was stopped"), std::string::npos);
 }
 
 /// Another rank that never answers. The stop comes when somebody waits for it.

@@ -23,9 +23,10 @@ struct Post {
 
 class ThreadRank final : public Communicator {
  public:
-  ThreadRank(Post& post, int rank) : post_(post), rank_(rank) {}
+  ThreadRank(Post& post, int rank, int on_node = 1) : post_(post), rank_(rank), on_node_(on_node) {}
   int rank() const override { return rank_; }
   int size() const override { return static_cast<int>(post_.boxes.size()); }
+  int ranks_on_node() const override { return on_node_; }
   void send(int to, std::string bytes) override {
     const std::lock_guard lock(post_.mutex);
     post_.boxes[static_cast<std::size_t>(to)].push_back({rank_, std::move(bytes)});
@@ -41,7 +42,7 @@ class ThreadRank final : public Communicator {
 
  private:
   Post& post_;
-  int rank_;
+  int rank_, on_node_;
 };
 
 inline constexpr std::array<int, 3> kCount{5, 6, 7};

@@ -17,6 +17,8 @@ class Communicator {
   virtual ~Communicator() = default;
   virtual int rank() const = 0;
   virtual int size() const = 0;
+  /// Ranks on this machine, this one included.
+  virtual int ranks_on_node() const { return size(); }
   /// Hands over a message and does not wait until it has arrived. Messages from one rank to another
   /// arrive in the order in which they were sent.
   virtual void send(int to, std::string bytes) = 0;

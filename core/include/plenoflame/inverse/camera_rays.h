@@ -164,10 +164,11 @@ double estimated_rays(const std::vector<CameraView>& views, const Box& box,
 /// Decides whether the rays of this form are kept or drawn again. The automatic form draws them
 /// again if they would take more than half of the machine's free memory. estimated_rays() gives
 /// their number.
+/// @param processes of this machine that keep as many
 /// @throws InputError: the form keeps the rays, and they do not fit into memory
 CameraRaySettings kept_or_drawn(OperatorForm form, const std::vector<CameraView>& views,
                                 const Box& box, CameraRaySettings settings,
-                                const Execution& execution = {});
+                                const Execution& execution = {}, int processes = 1);
 
 /// draw_camera_rays() by kept_or_drawn().
 CameraRays rays_of_form(OperatorForm form, const std::vector<CameraView>& views, const Box& box,

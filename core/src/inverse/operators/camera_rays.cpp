@@ -355,20 +355,21 @@ double estimated_rays(const std::vector<CameraView>& views, const Box& box,
 
 CameraRaySettings kept_or_drawn(OperatorForm form, const std::vector<CameraView>& views,
                                 const Box& box, CameraRaySettings settings,
-                                const Execution& execution) {
+                                const Execution& execution, int processes) {
   settings.keep = form != OperatorForm::drawn;
   if (!settings.keep) return settings;
   const double room = available_memory() / (form == OperatorForm::automatic ? 2 : 1);
+  const double bytes = kBytesOfRay * processes;
   double most = 0;
   for (const CameraView& view : views)
-    most += kBytesOfRay * kMostLenses * settings.samples * window_of(view).width *
+    most += bytes * kMostLenses * settings.samples * window_of(view).width *
             static_cast<double>(window_of(view).height);
   if (most <= room) return settings;
   const double rays = estimated_rays(views, box, settings, execution);  // there may be too many
   if (form == OperatorForm::automatic)
-    settings.keep = kBytesOfRay * rays <= room;
+    settings.keep = bytes * rays <= room;
   else
-    require_memory(kBytesOfRay * rays, "some " + std::to_string(std::llround(rays)) + " rays",
+    require_memory(bytes * rays, "some " + std::to_string(std::llround(rays)) + " rays",
                    "take the form 'drawn', which keeps none, or fewer rays");
   return settings;
 }

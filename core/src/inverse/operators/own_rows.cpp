@@ -56,7 +56,8 @@ void OwnRows::add_to(TransposedSum& sum) {
       for (std::size_t c = block * kColumnsOfTask; c < end; ++c) sum.whole[c] += sums_[k][c];
   };
   parallel_for(execution_, (matrix_.columns() + kColumnsOfTask - 1) / kColumnsOfTask, task);
-  if (stays_open_) sum.open = sums_.back();
+  if (stays_open_) sum.open = std::move(sums_.back());
+  sums_.assign(sums_.size(), {});
 }
 
 }  // namespace plenoflame

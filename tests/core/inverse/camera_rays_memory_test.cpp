@@ -9,7 +9,7 @@
 #include "core/inverse/thread_ranks.h"
 #include "plenoflame/base/error.h"
 
-namespace plenoflame::test::assembly_memory_test {
+namespace plenoflame::test::camera_rays_memory_test {
 namespace {
 
 /// Address space that is left beyond what the process has, while it lives.
@@ -66,5 +66,5 @@ TEST(CameraRays, RaysThatDoNotFitAreNotKept) {
 }
 
 }  // namespace
-}  // namespace plenoflame::test::assembly_memory_test
+}  // namespace plenoflame::test::camera_rays_memory_test
 #endif
