@@ -111,9 +111,9 @@ std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
       if (static_cast<std::size_t>(rays.rows[i].view) != v || !(measured.deviation[i] > 0))
         continue;
       all[i] = 1;
-      // Noise puts half of the pixels without light at or below 0, and one in six of those whose
-      // light is one deviation.
-      dark[i] = measured.flux[i] <= 1e-4 * largest && measured.deviation[i] < 0.05 * largest;
+      // Five of six pixels without light are below one deviation, half of those that have as much.
+      dark[i] = measured.flux[i] <= std::max(measured.deviation[i], 1e-4 * largest) &&
+                measured.deviation[i] < 0.05 * largest;
     }
     std::vector<double> seen(a.columns()), ruled(a.columns());
     a.apply_transpose(all, seen);
