@@ -372,7 +372,8 @@ class LectureTest : public test::SceneFixture {
       for (int i = 0; i < props->GetNumberOfItems(); ++i) {
         auto* const part = vtkActor::SafeDownCast(props->GetItemAsObject(i));
         auto* const drawn = part && part->GetTexture() ? part->GetTexture()->GetInput() : nullptr;
-        shown = shown || (drawn && drawn->GetDimensions()[0] == flux().width);
+        shown =
+            shown || (drawn && drawn->GetDimensions()[0] == scene().scene.camera.sensor.columns);
       }
       QVERIFY(shown);
     }
