@@ -11,7 +11,7 @@ namespace plenoflame::cli {
 /// @param endings that a file may have; none: any
 CLI::Validator written(std::vector<std::string> endings = {});
 
-/// Whether an option is marked as written().
+/// An option is marked as written().
 bool is_output(CLI::Option& option);
 
 /// Marks an option whose file may also be the output: the command continues it.
