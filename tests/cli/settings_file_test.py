@@ -102,7 +102,7 @@ class SettingsFile(CommandTest):
                 ("truth = false", 'truth = "yes"', 1, ["run.toml:16:1: truth: true or false, not 'yes'"]),
                 ("f.vdb", "a.exr", 1, ["run.toml:5:1: output: 'a.exr' is a file that this command reads"]),
                 ("f.vdb", "f.png", 1, ["run.toml:5:1: output: 'f.png' must end in .vdb"]),
-                # What the command finds out later.
+                # The command finds these errors later.
                 ("noise = 0.01", 'basis = "constant"', 1, ["run.toml:11:1: basis is for voxels"]),
                 ("noise = 0.01", 'solver = "sirt"\nstrength = 1', 1, ["run.toml:11:1: solver='sirt'", "neither strength nor"]),
                 ("[4, 6]", "[4, 6, 8]", 1, ["run.toml:7:1: grid must be the rings and heights"]),

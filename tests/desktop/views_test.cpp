@@ -151,7 +151,7 @@ class ViewsTest : public test::SceneFixture {
     QVERIFY(std::fabs(apart(turned.first, turned.second) / apart(first.first, first.second) - 1) >
             0.05);
     QVERIFY(selection().kind == Selection::Kind::none);
-    // What is under the pointer stays there, and the wheel leads back.
+    // The place under the pointer stays there, and the wheel leads back.
     wheel(scene3d(), turned.second, 3);
     QVERIFY(apart(places().second, turned.second) < 30);
     QVERIFY(apart(places().first, turned.second) > 2 * apart(turned.first, turned.second));
