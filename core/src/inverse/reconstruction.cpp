@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "inverse/built_rows.h"
+#include "inverse/dark_pixels.h"
 #include "inverse/expected_misfit.h"
 #include "inverse/followed_change.h"
 #include "inverse/model_test.h"
@@ -46,9 +47,9 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
-/// Probes and draws end when a solution changes by less than this part of its length. Deviations
-/// are the same to a per cent as with 1e-5, after two thirds of the iterations.
-constexpr double kProbed = 1e-3;
+/// Probes and draws end when a solution changes by less than this part of its length. 1e-3 takes
+/// two thirds of the iterations and states a fifth less.
+constexpr double kProbed = 1e-5;
 /// [byte] Products with a smaller matrix take less time than messages between ranks.
 constexpr double kLeastShared = 8e6;
 /// Time of the whole over that of the first guess, within a factor of 2; shortest reported time.
@@ -95,34 +96,6 @@ class Watch {
   double rows_, from_ = 0, done_ = kDrawingShare;
   std::function<void(const ReconstructionState&)> watch_;
 };
-
-/// Marks unknowns that would send a large part of their light to dark pixels in some view. All
-/// unknowns that a dark pixel sees are dark, because none is negative.
-std::vector<char> behind_dark(const LinearOperator& a, const CameraRays& rays,
-                              const MeasuredRows& measured, std::size_t views) {
-  std::vector<char> empty(a.columns(), 0);
-  for (std::size_t v = 0; v < views; ++v) {
-    double largest = 0;
-    for (std::size_t i = 0; i < a.rows(); ++i)
-      if (static_cast<std::size_t>(rays.rows[i].view) == v && measured.deviation[i] > 0)
-        largest = std::max(largest, measured.flux[i]);
-    std::vector<double> all(a.rows(), 0.0), dark(a.rows(), 0.0);
-    for (std::size_t i = 0; i < a.rows(); ++i) {
-      if (static_cast<std::size_t>(rays.rows[i].view) != v || !(measured.deviation[i] > 0))
-        continue;
-      all[i] = 1;
-      // Five of six pixels without light are below one deviation, half of those that have as much.
-      dark[i] = measured.flux[i] <= std::max(measured.deviation[i], 1e-4 * largest) &&
-                measured.deviation[i] < 0.05 * largest;
-    }
-    std::vector<double> seen(a.columns()), ruled(a.columns());
-    a.apply_transpose(all, seen);
-    a.apply_transpose(dark, ruled);
-    for (std::size_t j = 0; j < seen.size(); ++j)
-      empty[j] |= seen[j] > 0 && ruled[j] > 0.3 * seen[j];
-  }
-  return empty;
-}
 
 /// Takes rows that see parts of the stop that do not count for rows without a usable pixel.
 void leave_out_parts(const std::vector<std::vector<char>>& parts, const CameraRays& rays,
@@ -224,7 +197,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   result.deviation = errors_of_chords(*input.unknowns, result.at_places, input.absorption);
   for (std::size_t j = 0; j < squares.size(); ++j) {
     const double drawn = factor * std::sqrt(squares[j] / settings.draws);
-    result.deviation[j] = result.solved[j] ? std::hypot(result.deviation[j], drawn) : 0;
+    if (result.solved[j]) result.deviation[j] = std::hypot(result.deviation[j], drawn);
   }
 }
 
@@ -443,9 +416,13 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   count_left_out(weight, result);
   const double rows = static_cast<double>(result.rows - result.left_out);
 
-  std::vector<char> empty = settings.support ? behind_dark(*a, rays, measured, views.size())
-                                             : std::vector<char>(a->columns(), 0);
-  for (std::size_t j = 0; j < input.support.size(); ++j) empty[j] |= input.support[j] == 0;
+  RuledOut ruled;
+  if (settings.support) ruled = behind_dark(*a, rays, measured, views.size());
+  std::vector<char>& empty = ruled.empty;
+  empty.resize(unknowns, 0);
+  ruled.hidden.resize(unknowns, 0.0);
+  for (std::size_t j = 0; j < input.support.size(); ++j)
+    if (input.support[j] == 0) empty[j] = 1, ruled.hidden[j] = 0;
   const std::vector<double> scale = scales(*a, b, weight, empty, result);
   for (const double s : scale) result.solved.push_back(s > 0);
 
@@ -539,6 +516,8 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           result.absorption_error = settings.absorption_error;
         }
         add_uncertainty(*weighted, input, settings, b, watch, result);
+        for (std::size_t j = 0; j < result.deviation.size(); ++j)
+          if (ruled.empty[j]) result.deviation[j] = ruled.hidden[j];
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
         if (settings.test_model) {
           std::vector<double> left = b;

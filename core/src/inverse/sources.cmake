@@ -1,4 +1,4 @@
-list(APPEND core_sources src/inverse/built_rows.cpp src/inverse/operators/linear_operator.cpp src/inverse/operators/csr_matrix.cpp src/inverse/operators/csr_file.cpp
+list(APPEND core_sources src/inverse/built_rows.cpp src/inverse/dark_pixels.cpp src/inverse/operators/linear_operator.cpp src/inverse/operators/csr_matrix.cpp src/inverse/operators/csr_file.cpp
   src/inverse/solvers/penalty.cpp src/inverse/solvers/iteration.cpp src/inverse/solvers/krylov.cpp src/inverse/solvers/nonnegative.cpp
   src/inverse/solvers/row_action.cpp src/inverse/solvers/strength.cpp
   src/inverse/solvers/uncertainty.cpp src/inverse/solvers/posterior_chain.cpp src/inverse/solvers/gauss_newton.cpp

@@ -20,6 +20,8 @@ struct Work {
   double variables, penalty, rows;
 };
 constexpr Work kFista{7, 4, 6}, kKrylov{8, 4, 7}, kPlain{7, 0, 6};
+/// The same of draws and probes, of which kTogether are solved at a time.
+constexpr Work kDraws{28, 16, 16};
 
 Work work_of(ReconstructionSolver solver) {
   if (!is_penalised(solver)) return kPlain;
@@ -41,11 +43,14 @@ double penalty_rows(const ReconstructionSettings& settings, const Unknowns& unkn
 double vector_memory(const ReconstructionSettings& settings, const Unknowns& unknowns,
                      std::size_t variables, std::size_t rows) {
   const bool chooses = is_penalised(settings.solver) && settings.strength < 0;
-  const Work work = work_of(settings.solver);
+  Work work = work_of(settings.solver);
+  if (chooses) work.variables += kMostStrengths;
+  if (is_penalised(settings.solver) && settings.draws + settings.probes > 0)
+    work = {std::max(work.variables, kDraws.variables), kDraws.penalty, kDraws.rows};
   // A^T adds up parts of rows that are followed again, whose number is fixed.
   const double parts = settings.memory > 0 ? 0 : kFollowedParts;
-  const double for_variable = kCommon + work.variables + parts + (chooses ? kMostStrengths : 0) +
-                              work.penalty * penalty_rows(settings, unknowns);
+  const double for_variable =
+      kCommon + work.variables + parts + work.penalty * penalty_rows(settings, unknowns);
   return sizeof(double) *
          (for_variable * static_cast<double>(variables) + work.rows * static_cast<double>(rows));
 }

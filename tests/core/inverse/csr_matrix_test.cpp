@@ -9,6 +9,7 @@
 #include "inverse/operators/csr_parts.h"
 #include "inverse/operators/followed_rows.h"
 #include "inverse/operators/own_rows.h"
+#include "inverse/operators/stacked_operator.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
 #include "support/approx.h"
@@ -47,6 +48,33 @@ TEST(CsrMatrix, GivesTheSameBitsForAnyNumberOfThreads) {
     EXPECT_EQ(transposed_times(*one, y), transposed_times(*many, y));
   }
   EXPECT_LT(distance(transposed_times(*one, y), a.dense.transpose() * dense(y)), 1e-14);
+}
+
+// Side by side, in parts and in one; and one after the other, as any operator does.
+TEST(CsrMatrix, TimesVectorsTogetherIsOneByOne) {
+  for (const std::size_t rows : {300UL, 3000UL}) {
+    const TwinMatrix a = random_matrix(rows, 200, 0.5, 4);
+    const auto sparse = make_csr_operator(a.sparse, threads(2));
+    const std::vector<double> weights = random_vector(rows, 0, 1, 9);
+    const StackedOperator of_csr({sparse.get(), weights, weights}, {});
+    const auto x = random_vector(200 * kTogether, -1, 1, 5),
+               y = random_vector(rows * kTogether, -1, 1, 6);
+    const auto one = [](const std::vector<double>& all, std::size_t c) {
+      std::vector<double> part;
+      for (std::size_t n = c; n < all.size(); n += kTogether) part.push_back(all[n]);
+      return part;
+    };
+    for (const LinearOperator* k : {static_cast<const LinearOperator*>(sparse.get()),
+                                    static_cast<const LinearOperator*>(&of_csr)}) {
+      std::vector<double> forward(y.size()), back(x.size());
+      k->apply_together(x, forward);
+      k->apply_transpose_together(y, back);
+      for (std::size_t c = 0; c < kTogether; ++c) {
+        EXPECT_EQ(one(forward, c), *k * one(x, c));
+        EXPECT_EQ(one(back, c), transposed_times(*k, one(y, c)));
+      }
+    }
+  }
 }
 
 // Cut anywhere: within parts, at their ends, into more pieces than there are parts, and without any

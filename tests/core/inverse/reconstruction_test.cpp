@@ -123,7 +123,7 @@ TEST(Reconstruction, ProgressGoesOnToTheEnd) {
   EXPECT_LT(largest_step, 0.5);
   // The solution ends at 0.45.
   EXPECT_GT(std::count_if(seen.begin(), seen.end(), [](double f) { return f > 0.45; }),
-            50 + 20 - 1);
+            (50 + 20) / kTogether);
 }
 
 TEST(Reconstruction, DeviationsDoNotDependOnTheIterationsThatAreLeft) {

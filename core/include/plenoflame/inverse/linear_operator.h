@@ -7,6 +7,10 @@
 
 namespace plenoflame {
 
+/// Vectors that are multiplied at once: most of a product's time goes into reading the matrix.
+/// Their numbers lie side by side, the first of each, then the second of each.
+inline constexpr std::size_t kTogether = 4;
+
 /// A matrix by what it does to vectors. Immutable; may be used from many threads at once.
 class LinearOperator {
  public:
@@ -17,6 +21,10 @@ class LinearOperator {
   virtual void apply(std::span<const double> x, std::span<double> y) const = 0;
   /// x = A^T y: the exact adjoint of apply(), up to rounding.
   virtual void apply_transpose(std::span<const double> y, std::span<double> x) const = 0;
+  /// The same of kTogether vectors, with the bits of one by one, which is also how they are made
+  /// where an operator has no better way.
+  virtual void apply_together(std::span<const double> x, std::span<double> y) const;
+  virtual void apply_transpose_together(std::span<const double> y, std::span<double> x) const;
   /// Sum over all entries of (w_i a_ij)^2, the trace of A^T W^2 A. An operator that does not know
   /// its entries estimates it to some per cent by probing with random signs of fixed seed
   /// (Hutchinson).

@@ -27,39 +27,15 @@ class CsrOperator final : public LinearOperator {
   std::size_t rows() const override { return matrix_.rows(); }
   std::size_t columns() const override { return matrix_.columns(); }
 
-  void apply(std::span<const double> x, std::span<double> y) const override {
-    const auto task = [&](std::size_t block, int) {
-      const std::size_t end = std::min(rows(), (block + 1) * kRowsOfTask);
-      for (std::size_t row = block * kRowsOfTask; row < end; ++row) y[row] = row_times(row, x);
-    };
-    run((rows() + kRowsOfTask - 1) / kRowsOfTask, task);
-  }
-
+  void apply(std::span<const double> x, std::span<double> y) const override { multiply<1>(x, y); }
   void apply_transpose(std::span<const double> y, std::span<double> x) const override {
-    std::fill(x.begin(), x.end(), 0.0);
-    const std::size_t parts = part_starts_.size() - 1;
-    if (parts == 1) {
-      add_transposed(matrix_, 0, rows(), y, x);
-      return;
-    }
-    // There are as many sums at a time as threads, added up in their order. Memory that was written
-    // to before is cleared several times as fast as new memory.
-    const auto together = static_cast<std::size_t>(execution_.thread_count());
-    std::vector<std::vector<double>> sums(std::min(parts, together));
-    for (std::size_t first = 0; first < parts; first += sums.size()) {
-      sums.resize(std::min(sums.size(), parts - first));
-      run(sums.size(), [&](std::size_t k, int) {
-        sums[k].assign(columns(), 0.0);
-        add_transposed(matrix_, part_starts_[first + k], part_starts_[first + k + 1], y,
-                       std::span<double>(sums[k]));
-      });
-      constexpr std::size_t kColumnsOfTask = 1 << 14;
-      run((columns() + kColumnsOfTask - 1) / kColumnsOfTask, [&](std::size_t block, int) {
-        const std::size_t end = std::min(columns(), (block + 1) * kColumnsOfTask);
-        for (const std::vector<double>& sum : sums)
-          for (std::size_t c = block * kColumnsOfTask; c < end; ++c) x[c] += sum[c];
-      });
-    }
+    multiply_transposed<1>(y, x);
+  }
+  void apply_together(std::span<const double> x, std::span<double> y) const override {
+    multiply<kTogether>(x, y);
+  }
+  void apply_transpose_together(std::span<const double> y, std::span<double> x) const override {
+    multiply_transposed<kTogether>(y, x);
   }
 
   double squared_norm(std::span<const double> weights) const override {
@@ -74,21 +50,62 @@ class CsrOperator final : public LinearOperator {
     if (!parallel_for(execution_, count, task)) throw Cancelled();
   }
 
-  double row_times(std::size_t row, std::span<const double> x) const {
+  template <std::size_t count>
+  void multiply(std::span<const double> x, std::span<double> y) const {
+    const auto task = [&](std::size_t block, int) {
+      const std::size_t end = std::min(rows(), (block + 1) * kRowsOfTask);
+      for (std::size_t row = block * kRowsOfTask; row < end; ++row)
+        row_times<count>(row, x.data(), &y[row * count]);
+    };
+    run((rows() + kRowsOfTask - 1) / kRowsOfTask, task);
+  }
+
+  template <std::size_t count>
+  void multiply_transposed(std::span<const double> y, std::span<double> x) const {
+    std::fill(x.begin(), x.end(), 0.0);
+    const std::size_t parts = part_starts_.size() - 1;
+    if (parts == 1) {
+      add_transposed<count>(matrix_, 0, rows(), y, x);
+      return;
+    }
+    // There are as many sums at a time as threads, added up in their order. Memory that was written
+    // to before is cleared several times as fast as new memory.
+    const auto together = static_cast<std::size_t>(execution_.thread_count());
+    std::vector<std::vector<double>> sums(std::min(parts, together));
+    for (std::size_t first = 0; first < parts; first += sums.size()) {
+      sums.resize(std::min(sums.size(), parts - first));
+      run(sums.size(), [&](std::size_t k, int) {
+        sums[k].assign(x.size(), 0.0);
+        add_transposed<count>(matrix_, part_starts_[first + k], part_starts_[first + k + 1], y,
+                              std::span<double>(sums[k]));
+      });
+      constexpr std::size_t kNumbersOfTask = 1 << 14;
+      run((x.size() + kNumbersOfTask - 1) / kNumbersOfTask, [&](std::size_t block, int) {
+        const std::size_t end = std::min(x.size(), (block + 1) * kNumbersOfTask);
+        for (const std::vector<double>& sum : sums)
+          for (std::size_t n = block * kNumbersOfTask; n < end; ++n) x[n] += sum[n];
+      });
+    }
+  }
+
+  template <std::size_t count>
+  void row_times(std::size_t row, const double* x, double* y) const {
     const auto begin = static_cast<std::size_t>(matrix_.row_starts()[row]);
     const auto end = static_cast<std::size_t>(matrix_.row_starts()[row + 1]);
     const Value* const values = matrix_.values().data();
     const std::int32_t* const columns = matrix_.column_indices().data();
-    const auto term = [&](std::size_t k) {
-      return static_cast<double>(values[k]) * x[static_cast<std::size_t>(columns[k])];
-    };
     // Four sums side by side: one alone waits for each addition before the next.
-    std::array<double, 4> sum{};
+    std::array<std::array<double, count>, 4> sum{};
+    const auto add = [&](std::array<double, count>& to, std::size_t k) {
+      const double* const of = x + static_cast<std::size_t>(columns[k]) * count;
+      for (std::size_t c = 0; c < count; ++c) to[c] += static_cast<double>(values[k]) * of[c];
+    };
     std::size_t k = begin;
     for (; k + 4 <= end; k += 4)
-      for (std::size_t n = 0; n < 4; ++n) sum[n] += term(k + n);
-    for (; k < end; ++k) sum[0] += term(k);
-    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+      for (std::size_t n = 0; n < 4; ++n) add(sum[n], k + n);
+    for (; k < end; ++k) add(sum[0], k);
+    for (std::size_t c = 0; c < count; ++c)
+      y[c] = (sum[0][c] + sum[1][c]) + (sum[2][c] + sum[3][c]);
   }
 
   const CsrMatrix<Value>& matrix_;

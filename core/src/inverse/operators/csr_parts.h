@@ -1,5 +1,6 @@
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -36,19 +37,22 @@ inline std::vector<std::size_t> csr_parts(std::span<const std::int64_t> starts,
   return first;
 }
 
-/// Adds the rows from `first` to `end`, times their y, to x.
-template <class Value>
+/// Adds the rows from `first` to `end`, times their y, to x; of `count` vectors side by side.
+template <std::size_t count = 1, class Value>
 void add_transposed(const CsrMatrix<Value>& matrix, std::size_t first, std::size_t end,
                     std::span<const double> y, std::span<double> x) {
   const auto starts = matrix.row_starts();
   const Value* const values = matrix.values().data();
   const std::int32_t* const columns = matrix.column_indices().data();
   for (std::size_t row = first; row < end; ++row) {
-    const double factor = y[row];
-    if (factor == 0) continue;
+    std::array<double, count> factor;
+    std::copy_n(&y[row * count], count, factor.begin());
+    if (std::ranges::all_of(factor, [](double each) { return each == 0; })) continue;
     for (auto k = static_cast<std::size_t>(starts[row]);
-         k < static_cast<std::size_t>(starts[row + 1]); ++k)
-      x[static_cast<std::size_t>(columns[k])] += factor * static_cast<double>(values[k]);
+         k < static_cast<std::size_t>(starts[row + 1]); ++k) {
+      double* const sum = &x[static_cast<std::size_t>(columns[k]) * count];
+      for (std::size_t c = 0; c < count; ++c) sum[c] += factor[c] * static_cast<double>(values[k]);
+    }
   }
 }
 

@@ -11,7 +11,27 @@ namespace {
 constexpr int kProbes =
     16;  ///< random vectors of an estimated trace: its error is some 35 % / sqrt(16)
 
+/// Calls product(from, to) for each of the vectors that lie side by side.
+template <class Product>
+void one_by_one(std::span<const double> from, std::span<double> to, const Product& product) {
+  std::vector<double> one(from.size() / kTogether), result(to.size() / kTogether);
+  for (std::size_t c = 0; c < kTogether; ++c) {
+    for (std::size_t j = 0; j < one.size(); ++j) one[j] = from[j * kTogether + c];
+    product(one, result);
+    for (std::size_t i = 0; i < result.size(); ++i) to[i * kTogether + c] = result[i];
+  }
+}
+
 }  // namespace
+
+void LinearOperator::apply_together(std::span<const double> x, std::span<double> y) const {
+  one_by_one(x, y, [&](const auto& from, auto& to) { apply(from, to); });
+}
+
+void LinearOperator::apply_transpose_together(std::span<const double> y,
+                                              std::span<double> x) const {
+  one_by_one(y, x, [&](const auto& from, auto& to) { apply_transpose(from, to); });
+}
 
 double LinearOperator::squared_norm(std::span<const double> weights) const {
   SignSequence signs(1);

@@ -81,6 +81,17 @@ void ScaledColumns::apply_transpose(std::span<const double> y, std::span<double>
   scale_by(scale_, x);
 }
 
+void ScaledColumns::apply_together(std::span<const double> x, std::span<double> y) const {
+  std::vector<double> scaled(x.begin(), x.end());
+  scale_by<kTogether>(scale_, scaled);
+  a_.apply_together(scaled, y);
+}
+
+void ScaledColumns::apply_transpose_together(std::span<const double> y, std::span<double> x) const {
+  a_.apply_transpose_together(y, x);
+  scale_by<kTogether>(scale_, x);
+}
+
 /// Every n-th row, with the unknowns as they are.
 struct ScaledProblem::Subset {
   std::size_t first, step;

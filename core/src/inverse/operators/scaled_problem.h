@@ -33,6 +33,8 @@ class ScaledColumns final : public LinearOperator {
   std::size_t columns() const override { return a_.columns(); }
   void apply(std::span<const double> x, std::span<double> y) const override;
   void apply_transpose(std::span<const double> y, std::span<double> x) const override;
+  void apply_together(std::span<const double> x, std::span<double> y) const override;
+  void apply_transpose_together(std::span<const double> y, std::span<double> x) const override;
   const LinearOperator& unscaled() const { return a_; }
 
  private:

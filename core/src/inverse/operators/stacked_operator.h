@@ -19,25 +19,43 @@ class StackedOperator final : public LinearOperator {
   }
   std::size_t columns() const override { return problem_.a->columns(); }
   void apply(std::span<const double> x, std::span<double> y) const override {
-    const auto upper = y.first(problem_.a->rows());
-    problem_.a->apply(x, upper);
-    scale_by(problem_.weights, upper);
-    if (!penalty_) return;
-    const auto lower = y.subspan(problem_.a->rows());
-    penalty_->apply(x, lower);
-    for (double& value : lower) value *= scale_;
+    multiply<1>(x, y, &LinearOperator::apply);
   }
   void apply_transpose(std::span<const double> y, std::span<double> x) const override {
-    const std::size_t rows = problem_.a->rows();
-    std::vector<double> upper(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(rows));
-    scale_by(problem_.weights, upper);
-    problem_.a->apply_transpose(upper, x);
-    if (!penalty_) return;
-    const std::vector<double> lower = transposed_times(*penalty_, y.subspan(rows));
-    add_scaled(scale_, lower, x);
+    multiply_transposed<1>(y, x, &LinearOperator::apply_transpose);
+  }
+  void apply_together(std::span<const double> x, std::span<double> y) const override {
+    multiply<kTogether>(x, y, &LinearOperator::apply_together);
+  }
+  void apply_transpose_together(std::span<const double> y, std::span<double> x) const override {
+    multiply_transposed<kTogether>(y, x, &LinearOperator::apply_transpose_together);
   }
 
  private:
+  using Product = void (LinearOperator::*)(std::span<const double>, std::span<double>) const;
+
+  template <std::size_t count>
+  void multiply(std::span<const double> x, std::span<double> y, Product product) const {
+    const auto upper = y.first(problem_.a->rows() * count);
+    (problem_.a->*product)(x, upper);
+    scale_by<count>(problem_.weights, upper);
+    if (!penalty_) return;
+    const auto lower = y.subspan(upper.size());
+    (penalty_->*product)(x, lower);
+    for (double& value : lower) value *= scale_;
+  }
+  template <std::size_t count>
+  void multiply_transposed(std::span<const double> y, std::span<double> x, Product product) const {
+    const std::size_t rows = problem_.a->rows() * count;
+    std::vector<double> upper(y.begin(), y.begin() + static_cast<std::ptrdiff_t>(rows));
+    scale_by<count>(problem_.weights, upper);
+    (problem_.a->*product)(upper, x);
+    if (!penalty_) return;
+    std::vector<double> lower(x.size());
+    (penalty_->*product)(y.subspan(rows), lower);
+    add_scaled(scale_, lower, x);
+  }
+
   LinearProblem problem_;
   const LinearOperator* penalty_;
   double scale_;

@@ -23,9 +23,11 @@ inline void add_scaled(double factor, std::span<const double> x, std::span<doubl
   for (std::size_t i = 0; i < y.size(); ++i) y[i] += factor * x[i];
 }
 
-/// y_i *= weights_i; empty weights are all 1.
-inline void scale_by(std::span<const double> weights, std::span<double> y) {
-  for (std::size_t i = 0; i < weights.size(); ++i) y[i] *= weights[i];
+/// y_i *= weights_i of `count` vectors side by side; empty weights are all 1.
+template <std::size_t count = 1>
+void scale_by(std::span<const double> weights, std::span<double> y) {
+  for (std::size_t i = 0; i < weights.size(); ++i)
+    for (std::size_t c = 0; c < count; ++c) y[i * count + c] *= weights[i];
 }
 
 /// Random signs of a seed (splitmix64; Steele, Lea and Flood 2014).

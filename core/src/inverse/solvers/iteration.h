@@ -1,5 +1,6 @@
 #pragma once
 #include <cmath>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -7,6 +8,9 @@
 #include "plenoflame/inverse/solvers.h"
 
 namespace plenoflame {
+
+/// A gradient below this part of the first one is rounding.
+inline constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
 
 /// Checks sizes and numbers. @throws UsageError, InputError
 void check_problem(const LinearProblem& problem);

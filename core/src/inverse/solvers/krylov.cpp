@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <limits>
 
 #include "inverse/operators/stacked_operator.h"
 #include "inverse/solvers/iteration.h"
@@ -7,9 +6,6 @@
 
 namespace plenoflame {
 namespace {
-
-/// A gradient below this part of the first one is rounding.
-constexpr double kRounding = 64 * std::numeric_limits<double>::epsilon();
 
 std::vector<double> start_of(const SolverOptions& options, std::size_t columns) {
   return options.start.empty() ? std::vector<double>(columns, 0.0) : options.start;

@@ -3,6 +3,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <numbers>
 #include <random>
@@ -44,13 +45,6 @@ std::vector<double> weighted_model(const LinearProblem& problem, std::span<const
   return y;
 }
 
-/// For the inner steps of a computation.
-Execution quiet(const Execution& execution) {
-  Execution inner = execution;
-  inner.progress = nullptr;
-  return inner;
-}
-
 /// Standard normal numbers by Box and Muller: std::normal_distribution is not the same everywhere.
 class NormalSequence {
  public:
@@ -74,6 +68,83 @@ void report(const Execution& execution, int done, int all) {
   execution.progress(progress);
 }
 
+/// |v|^2 of vectors side by side.
+using Squares = std::array<double, kTogether>;
+Squares squares_of(std::span<const double> vectors) {
+  Squares sum{};
+  for (std::size_t n = 0; n < vectors.size(); n += kTogether)
+    for (std::size_t c = 0; c < kTogether; ++c) sum[c] += vectors[n + c] * vectors[n + c];
+  return sum;
+}
+
+/// to += factor * of, for each of the vectors side by side.
+void add_each(const Squares& factor, std::span<const double> of, std::span<double> to) {
+  for (std::size_t n = 0; n < to.size(); n += kTogether)
+    for (std::size_t c = 0; c < kTogether; ++c) to[n + c] += factor[c] * of[n + c];
+}
+
+/// Conjugate gradients as in solve_cgls(), from 0, for vectors r side by side. One that has ended
+/// stays. @return x
+std::vector<double> solve_together(const LinearOperator& k, std::vector<double> r,
+                                   const ProbeAccuracy& accuracy, const Execution& execution) {
+  std::vector<double> x(k.columns() * kTogether), s(x.size()), q(r.size());
+  k.apply_transpose_together(r, s);
+  std::vector<double> p = s;
+  const Squares first = squares_of(s);
+  Squares gamma = first;
+  std::array<bool, kTogether> ended{};
+  for (int i = 0; i < accuracy.iterations; ++i) {
+    if (execution.stop.stop_requested()) throw Cancelled();
+    k.apply_together(p, q);
+    const Squares curvature = squares_of(q), length = squares_of(p);
+    Squares step{}, back{}, ratio{};
+    for (std::size_t c = 0; c < kTogether; ++c) {
+      ended[c] = ended[c] || !(curvature[c] > 0);
+      if (!ended[c]) step[c] = gamma[c] / curvature[c];
+      back[c] = -step[c];
+    }
+    add_each(step, p, x);
+    add_each(back, q, r);
+    k.apply_transpose_together(r, s);
+    const Squares next = squares_of(s), reached = squares_of(x);
+    for (std::size_t c = 0; c < kTogether; ++c) {
+      const double change = step[c] * std::sqrt(length[c] / reached[c]);
+      ended[c] = ended[c] || !(change > accuracy.relative_change) ||
+                 !(next[c] > kRounding * kRounding * first[c]);
+      ratio[c] = ended[c] ? 0 : next[c] / gamma[c];
+    }
+    if (std::ranges::all_of(ended, [](bool each) { return each; })) break;
+    for (std::size_t n = 0; n < p.size(); n += kTogether)
+      for (std::size_t c = 0; c < kTogether; ++c) p[n + c] = s[n + c] + ratio[c] * p[n + c];
+    gamma = next;
+  }
+  return x;
+}
+
+/// Solves for `count` right-hand sides, some at a time. make(r) fills one; use(x) takes its
+/// solution.
+void solve_each(const LinearOperator& k, int count,
+                const std::function<std::vector<double>()>& make,
+                const std::function<void(std::span<const double>)>& use,
+                const ProbeAccuracy& accuracy, const Execution& execution) {
+  constexpr auto kMost = static_cast<int>(kTogether);
+  std::vector<double> one(k.columns());
+  for (int begin = 0; begin < count; begin += kMost) {
+    const auto now = static_cast<std::size_t>(std::min(kMost, count - begin));
+    std::vector<double> r(k.rows() * kTogether);
+    for (std::size_t c = 0; c < now; ++c) {
+      const std::vector<double> made = make();
+      for (std::size_t i = 0; i < made.size(); ++i) r[i * kTogether + c] = made[i];
+    }
+    const std::vector<double> x = solve_together(k, std::move(r), accuracy, execution);
+    for (std::size_t c = 0; c < now; ++c) {
+      for (std::size_t j = 0; j < one.size(); ++j) one[j] = x[j * kTogether + c];
+      use(one);
+    }
+    report(execution, begin + static_cast<int>(now), count);
+  }
+}
+
 }  // namespace
 
 Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisation& regularisation,
@@ -81,20 +152,25 @@ Uncertainty estimate_resolution(const LinearProblem& problem, const Regularisati
                                 const ProbeAccuracy& accuracy) {
   check(problem, regularisation);
   if (probes.count < 1) throw UsageError("at least one probe is needed");
-  const Execution inner = quiet(execution);
   Uncertainty result;
   result.resolved.assign(problem.a->columns(), 0.0);
+  const StackedOperator stacked(problem, {regularisation.penalty, regularisation.strength});
   SignSequence signs(probes.seed + 1);
-  std::vector<double> z(problem.a->columns());
-  for (int probe = 0; probe < probes.count; ++probe) {
-    if (execution.stop.stop_requested()) throw Cancelled();
+  std::deque<std::vector<double>> made;
+  const auto make = [&] {
+    std::vector<double> z(problem.a->columns());
     for (double& value : z) value = signs.next();
-    // z * (R z) has the mean diag(R) over random signs.
-    const std::vector<double> r =
-        pull_back(problem, regularisation, weighted_model(problem, z), accuracy, inner);
-    for (std::size_t j = 0; j < z.size(); ++j) result.resolved[j] += z[j] * r[j] / probes.count;
-    report(execution, probe + 1, probes.count);
-  }
+    std::vector<double> r = weighted_model(problem, z);
+    made.push_back(std::move(z));
+    return r;
+  };
+  // z * (R z) has the mean diag(R) over random signs.
+  const auto use = [&](std::span<const double> x) {
+    for (std::size_t j = 0; j < x.size(); ++j)
+      result.resolved[j] += made.front()[j] * x[j] / probes.count;
+    made.pop_front();
+  };
+  solve_each(stacked, probes.count, make, use, accuracy, execution);
   for (const double value : result.resolved) result.resolved_unknowns += value;
   return result;
 }
@@ -104,17 +180,15 @@ void draw_posterior(const LinearProblem& problem, const Regularisation& regulari
                     const Execution& execution, const ProbeAccuracy& accuracy) {
   check(problem, regularisation);
   if (draws.count < 1) throw UsageError("at least one draw is needed");
-  const Execution inner = quiet(execution);
   const StackedOperator stacked(problem, regularisation);
   NormalSequence random(draws.seed);
-  for (int draw = 0; draw < draws.count; ++draw) {
-    if (execution.stop.stop_requested()) throw Cancelled();
+  const auto make = [&] {
     std::vector<double> noise = random.next(stacked.rows());
     for (std::size_t i = 0; i < problem.weights.size(); ++i)
       if (!(problem.weights[i] > 0)) noise[i] = 0;
-    use(solve_cgls({&stacked, noise}, {}, options_of(accuracy), inner).x);
-    report(execution, draw + 1, draws.count);
-  }
+    return noise;
+  };
+  solve_each(stacked, draws.count, make, use, accuracy, execution);
 }
 
 void draw_prior(const Regularisation& regularisation, const Draws& draws,
@@ -123,12 +197,12 @@ void draw_prior(const Regularisation& regularisation, const Draws& draws,
   if (!regularisation.penalty || !(regularisation.strength > 0) || draws.count < 1)
     throw UsageError("draws of a prior need a penalty with a strength, and at least one draw");
   NormalSequence random(draws.seed);
-  for (int draw = 0; draw < draws.count; ++draw) {
-    if (execution.stop.stop_requested()) throw Cancelled();
+  const auto make = [&] {
     std::vector<double> noise = random.next(regularisation.penalty->rows());
     for (double& value : noise) value /= std::sqrt(regularisation.strength);
-    use(solve_cgls({regularisation.penalty, noise}, {}, options_of(accuracy), quiet(execution)).x);
-  }
+    return noise;
+  };
+  solve_each(*regularisation.penalty, draws.count, make, use, accuracy, execution);
 }
 
 Uncertainty exact_uncertainty(const LinearProblem& problem, const Regularisation& regularisation) {

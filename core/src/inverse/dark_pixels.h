@@ -1,0 +1,22 @@
+#pragma once
+#include <vector>
+
+#include "plenoflame/inverse/camera_rays.h"
+#include "plenoflame/inverse/linear_operator.h"
+#include "plenoflame/inverse/measurement.h"
+
+namespace plenoflame {
+
+/// Unknowns that dark pixels rule out, because none is negative.
+struct RuledOut {
+  std::vector<char> empty;
+  /// Deviation of the light in each of them: that of its pixels, if the light of places on a ray is
+  /// independent. 0 for the others.
+  std::vector<double> hidden;
+};
+
+/// Unknowns with a large part of their light in dark pixels of some view.
+RuledOut behind_dark(const LinearOperator& a, const CameraRays& rays, const MeasuredRows& measured,
+                     std::size_t views);
+
+}  // namespace plenoflame
