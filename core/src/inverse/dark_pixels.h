@@ -10,8 +10,8 @@ namespace plenoflame {
 /// Unknowns that dark pixels rule out, because none is negative.
 struct RuledOut {
   std::vector<char> empty;
-  /// Deviation of the light in each of them: that of its pixels, if the light of places on a ray is
-  /// independent. 0 for the others.
+  /// Deviation of the light in each of them, which noise of their pixels hides; 0 for the others.
+  /// The places along a ray are independent.
   std::vector<double> hidden;
 };
 

@@ -47,8 +47,8 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
-/// Probes and draws end when a solution changes by less than this part of its length. 1e-3 takes
-/// two thirds of the iterations and states a fifth less.
+/// Probes and draws end when a solution changes by less than this part of its length. Deviations
+/// that end at 1e-3 are a fifth too small, after two thirds of the iterations.
 constexpr double kProbed = 1e-5;
 /// [byte] Products with a smaller matrix take less time than messages between ranks.
 constexpr double kLeastShared = 8e6;

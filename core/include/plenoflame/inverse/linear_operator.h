@@ -21,8 +21,8 @@ class LinearOperator {
   virtual void apply(std::span<const double> x, std::span<double> y) const = 0;
   /// x = A^T y: the exact adjoint of apply(), up to rounding.
   virtual void apply_transpose(std::span<const double> y, std::span<double> x) const = 0;
-  /// The same of kTogether vectors, with the bits of one by one, which is also how they are made
-  /// where an operator has no better way.
+  /// The same of kTogether vectors, with the bits of one by one. An operator that has no better way
+  /// does that.
   virtual void apply_together(std::span<const double> x, std::span<double> y) const;
   virtual void apply_transpose_together(std::span<const double> y, std::span<double> x) const;
   /// Sum over all entries of (w_i a_ij)^2, the trace of A^T W^2 A. An operator that does not know
