@@ -5,8 +5,9 @@
 #                        its tests; unit and fuzz tests under AddressSanitizer + UndefinedBehaviorSanitizer; those of threads under
 #                        ThreadSanitizer
 #   ./test.sh --quick    format, the release build and its tests only
-#   ./test.sh --all      everything there is: each test in each configuration and at full length, each header alone, core alone, Qt 6,
-#                        each way built in a bare Debian, packages. It takes hours.
+#   ./test.sh --all      everything there is: tests at full length in the release build, in their short forms under AddressSanitizer, those
+#                        of threads in more programs, each header alone, core alone, Qt 6, each way built in a bare Debian, packages.
+#                        It takes hours; a later run on the same tree leaves out what has passed.
 #
 #   ./test.sh --no-setup installs nothing (for machines without apt-get)
 #
@@ -22,7 +23,7 @@ for argument in "$@"; do
     --quick) quick=yes ;;
     --all) all=yes ;;
     --no-setup) setup=no ;;
-    -h | --help) sed -n '2,15s/^# \{0,1\}//p' "$0"; exit 0 ;;
+    -h | --help) sed -n '2,16s/^# \{0,1\}//p' "$0"; exit 0 ;;
     *) echo "test.sh: unknown option $argument (see --help)" >&2; exit 2 ;;
   esac
 done
@@ -34,6 +35,17 @@ total=0
 failed=0
 broken=()
 skipped=()
+# With --all, a file of what has passed on this very tree, which a run that was ended goes on from. Without git none is kept.
+passed=/dev/null
+before=0
+
+recall() {
+  local tree
+  tree=$({ git rev-parse HEAD && git diff --binary HEAD && git ls-files -oz --exclude-standard | xargs -0r sha256sum; } 2>/dev/null |
+    sha256sum) || return 0
+  passed=build/passed
+  [ "$(head -n 1 "$passed" 2>/dev/null)" = "$tree" ] || echo "$tree" >"$passed"
+}
 
 say() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
 
@@ -41,6 +53,10 @@ say() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
 stage() {
   local name=$1 status=0
   shift
+  if grep -qxF "stage $name" "$passed"; then
+    before=$((before + 1))
+    return 0
+  fi
   say "$name"
   "$@" || status=$?
   if [ "$status" -eq 77 ]; then
@@ -48,7 +64,10 @@ stage() {
     return 0
   fi
   total=$((total + 1))
-  [ "$status" -ne 0 ] || return 0
+  if [ "$status" -eq 0 ]; then  # a build is soon found to be complete
+    [[ "$name" = build:* ]] || echo "stage $name" >>"$passed"
+    return 0
+  fi
   failed=$((failed + 1))
   broken+=("$name")
   return 1
@@ -62,11 +81,15 @@ skipped_tests() {
 
 # run_tests PRESET [ctest options]
 run_tests() {
-  local preset=$1 status=0 log="$logs/ctest-$1.log" line each
+  local preset=$1 status=0 log="$logs/ctest-$1.log" line each have
   shift
+  mapfile -t have < <(sed -n "s/^$preset //p" "$passed")
+  before=$((before + ${#have[@]}))
+  [ ${#have[@]} -eq 0 ] || set -- "$@" -E "^($(IFS='|' && echo "${have[*]}"))$"
   say "tests: $preset"
   # One more than processors: tests of programs and windows wait now and then.
-  "${run[@]}" ctest --preset "$preset" -j $((jobs + 1)) --no-tests=error "$@" | tee "$log" |
+  "${run[@]}" ctest --preset "$preset" -j $((jobs + 1)) --no-tests=error "$@" |
+    tee "$log" >(sed -unE "s/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: ([^ ]+) \.* +Passed .*/$preset \1/p" >>"$passed") |
     grep -vE '^ +Start +[0-9]+:| +Passed +[0-9.]+ sec$' || status=${PIPESTATUS[0]}
   while read -r each; do [ -z "$each" ] || skipped+=("$each"); done < <(skipped_tests "$preset")
   line=$(grep -E '^[0-9]+% tests passed, [0-9]+ tests? failed out of [0-9]+' "$log" | tail -1 || true)
@@ -75,7 +98,7 @@ run_tests() {
     failed=$((failed + BASH_REMATCH[1]))
     [ "${BASH_REMATCH[1]}" -eq 0 ] || broken+=("tests: $preset")
     [ "$status" -eq 0 ] || [ "${BASH_REMATCH[1]}" -gt 0 ] || status=2
-  else
+  elif [ "$status" -ne 8 ] || [ ${#have[@]} -eq 0 ]; then  # 8: none is left to run
     status=2
   fi
   if [ "$status" -eq 2 ]; then  # ctest itself failed: nothing ran, or it broke off
@@ -102,6 +125,7 @@ build() {
 
 summary() {
   local percent=$((total > 0 ? 100 * (total - failed) / total : 0))
+  [ "$before" -eq 0 ] || printf '\nNot run again: %d tests that have passed on this very tree.\n' "$before"
   [ ${#skipped[@]} -eq 0 ] || { printf '\nNot run here:\n' && printf '  %s\n' "${skipped[@]}"; }
   [ ${#broken[@]} -eq 0 ] || printf '\nFailed: %s\n' "$(IFS=';' && echo "${broken[*]}")"
   printf '\n%d%% tests passed, %d tests failed out of %d (%d min)\n' "$percent" "$failed" "$total" $((SECONDS / 60))
@@ -109,7 +133,7 @@ summary() {
 }
 
 # Unit and fuzz tests run under the sanitizers, all others in the release build; those of vector kernels, which depend on the
-# instruction set, in both. Tests labelled long run with --all.
+# instruction set, in both. Tests labelled long run with --all, in the release build.
 release_without='unit|fuzz|long'
 asan_without='slow|statistical|long|meta'
 how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
@@ -121,10 +145,10 @@ races='*Thread*:*Stop*:*ParallelFor*:*Progress*'
 if [ "$all" = yes ]; then
   release_without='^$'
   asan_without='long|meta'
-  threaded=(base calibration camera inverse lightfield render scene slow solids statistical)
-  races='*'
+  threaded=(base camera inverse lightfield render slow)
   bare=(--all)
   packages=(release package qt6 slurm)
+  recall
 fi
 
 run=()

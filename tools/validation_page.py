@@ -3,12 +3,13 @@
 
 Usage: validation_page.py PROGRAM... [-o docs/validation.md]
        validation_page.py --check [-o docs/validation.md]
-PROGRAM: tests/validation's validation_test, validation_long_test. Figures are the tests' properties. --check compares the texts of
+PROGRAM: statistical_test, which runs in full. Figures are the tests' properties. --check compares the texts of
 the page with those of this file; it leaves the figures aside.
 """
 
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -103,7 +104,8 @@ def number(text):
 def figures_of(program):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "out.json")
-        subprocess.run([program, f"--gtest_output=json:{file}"], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([program, f"--gtest_output=json:{file}"], check=True, stdout=subprocess.DEVNULL,
+                       env={**os.environ, "PLENOFLAME_LONG_TESTS": "1"})
         suites = json.loads(file.read_text())["testsuites"]
     for suite in suites:
         for test in suite["testsuite"]:

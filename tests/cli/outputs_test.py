@@ -46,6 +46,8 @@ LONG = {"-o": "--output"}
 
 
 class Outputs(CommandTest):
+    helps = {}  # by command; they are the same for all tests
+
     def setUp(self):
         super().setUp()
         self.lacked = {}  # by command: arguments that it wants besides
@@ -53,7 +55,7 @@ class Outputs(CommandTest):
     def present(self):
         """The commands that this build has."""
         for name, about in COMMANDS.items():
-            text = self.run_command(*name.split(), "--help").stdout
+            text = self.helps.get(name) or self.helps.setdefault(name, self.run_command(*name.split(), "--help").stdout)
             if "which this build was made without" not in " ".join(text.split()) and text:
                 yield name, about, text
 
@@ -90,42 +92,43 @@ class Outputs(CommandTest):
     def test_no_output_is_an_input(self):
         content = b"this is read"
         for name, (inputs, outputs, rest), text in self.present():
-            for given in inputs:
-                for output in outputs:
-                    for kind in ("same", "dotted", "symbolic", "hard"):
-                        self.write("in.file", content)
-                        other = {"same": "in.file", "dotted": "./sub/.././in.file"}.get(kind, "link")
-                        os.makedirs(self.path("sub"), exist_ok=True)
-                        if os.path.lexists(self.path("link")):
-                            os.remove(self.path("link"))
-                        if kind == "symbolic":
-                            os.symlink("sub/../in.file", self.path("link"))
-                        elif kind == "hard":
-                            os.link(self.path("in.file"), self.path("link"))
-                        long = LONG.get(output, output)
-                        words = [*name.split(), given.replace("FILE", "in.file"), *rest, "%s=%s" % (long, other)]
-                        with self.subTest(words=words):
-                            self.refused(words, [long + ": '" + other + "' is a file that this command reads"], name)
-                            self.assertEqual(self.read("in.file"), content)
-                        if kind == "same" and name != "render":
-                            break  # the other names are resolved in the same way
+            # Every input and every output: a command compares each with all of the others' kind.
+            pairs = range(max(len(inputs), len(outputs)) if outputs else 0)
+            for i, j in sorted((k % len(inputs), k % len(outputs)) for k in pairs):
+                given, output = inputs[i], outputs[j]
+                for kind in ("same", "dotted", "symbolic", "hard"):
+                    self.write("in.file", content)
+                    other = {"same": "in.file", "dotted": "./sub/.././in.file"}.get(kind, "link")
+                    os.makedirs(self.path("sub"), exist_ok=True)
+                    if os.path.lexists(self.path("link")):
+                        os.remove(self.path("link"))
+                    if kind == "symbolic":
+                        os.symlink("sub/../in.file", self.path("link"))
+                    elif kind == "hard":
+                        os.link(self.path("in.file"), self.path("link"))
+                    long = LONG.get(output, output)
+                    words = [*name.split(), given.replace("FILE", "in.file"), *rest, "%s=%s" % (long, other)]
+                    with self.subTest(words=words):
+                        self.refused(words, [long + ": '" + other + "' is a file that this command reads"], name)
+                        self.assertEqual(self.read("in.file"), content)
+                    if kind == "same" and name != "render":
+                        break  # the other names are resolved in the same way
 
     def test_no_output_is_another_one(self):
         for name, (inputs, outputs, rest), text in self.present():
-            for i, second in enumerate(outputs):
-                for first in outputs[:i]:
-                    names = [LONG.get(o, o) for o in (first, second)]
-                    if os.path.lexists(self.path("link.out")):
-                        os.remove(self.path("link.out"))
-                    os.symlink("not-there-yet.out", self.path("link.out"))
-                    for other in ("a.out", "././a.out", os.path.join(self.folder, "a.out"), None):
-                        values = ["not-there-yet.out", "link.out"] if other is None else ["a.out", other]
-                        words = [*name.split(), inputs[0].replace("FILE", "x.none"), *rest]
-                        words += ["%s=%s" % pair for pair in zip(names, values)]
-                        with self.subTest(words=words):
-                            self.refused(words, ["are the same file", *names], name)
-                        if name != "design":
-                            break
+            for first, second in zip(outputs, outputs[1:]):
+                names = [LONG.get(o, o) for o in (first, second)]
+                if os.path.lexists(self.path("link.out")):
+                    os.remove(self.path("link.out"))
+                os.symlink("not-there-yet.out", self.path("link.out"))
+                for other in ("a.out", "././a.out", os.path.join(self.folder, "a.out"), None):
+                    values = ["not-there-yet.out", "link.out"] if other is None else ["a.out", other]
+                    words = [*name.split(), inputs[0].replace("FILE", "x.none"), *rest]
+                    words += ["%s=%s" % pair for pair in zip(names, values)]
+                    with self.subTest(words=words):
+                        self.refused(words, ["are the same file", *names], name)
+                    if name != "design":
+                        break
         self.fails(2, "reconstruct", "x.none", "--images=x.none", "-o", "a.vdb", "--residual", "r.exr", "./r.exr",
                    mentions="--residual names the same file twice")
 

@@ -175,8 +175,7 @@ struct Errors {
 };
 struct FamilyOutcome {
   Errors emission, temperature;
-  double chi_squared = 0, noise_factor = 1, resolved = 0, strength = 0;
-  std::size_t unknowns = 0;
+  double chi_squared = 0;
   std::vector<Suspect> suspects;
   double grid_share = 0;
 };
@@ -333,15 +332,22 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
       value *= static_cast<float>(1 + trial.by);
 }
 
+/// Nobody asks for the resolution.
+inline ReconstructionSettings usual_settings() {
+  ReconstructionSettings settings;
+  settings.probes = 0;
+  return settings;
+}
+
 inline ReconstructionSettings family_settings(const FamilyTrial& trial,
-                                              ReconstructionSettings settings = {}) {
+                                              ReconstructionSettings settings = usual_settings()) {
   settings.rays.samples = static_cast<int>(64 * std::max(1.0, trial.coarser * trial.coarser));
   settings.rays.seed = 500 + trial.seed;
   return settings;
 }
 
 inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
-                                        const ReconstructionSettings& settings = {}) {
+                                        const ReconstructionSettings& settings = usual_settings()) {
   const FamilyProblem problem(trial);
   const auto& [source, flame, unknowns, scenes, displaced, input] = problem;
   const Reconstruction found = reconstruct(input, family_settings(trial, settings));
@@ -366,10 +372,6 @@ inline FamilyOutcome reconstruct_family(const FamilyTrial& trial,
   outcome.suspects = found.suspects;
   outcome.grid_share = found.grid_share;
   outcome.chi_squared = found.chi_squared;
-  outcome.noise_factor = found.noise_factor;
-  outcome.resolved = found.resolved_unknowns;
-  outcome.strength = found.strength;
-  outcome.unknowns = unknowns->size() - found.empty;
   return outcome;
 }
 

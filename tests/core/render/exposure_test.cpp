@@ -38,7 +38,7 @@ RenderResult expose(const std::vector<SceneMoment>& moments, const RenderSetting
   return render_exposure(
       moments,
       [&](const Scene& scene) -> const CompiledScene& {
-        compiled = compile(scene);
+        compiled = compile(scene, load_core_medium, {}, {}, {compiled ? &*compiled : nullptr});
         return *compiled;
       },
       settings, execution, keeping);
