@@ -22,8 +22,12 @@
 #include "plenoflame/base/units.h"
 #include "plenoflame/base/version.h"
 #include "plenoflame/image/atomic_file.h"
+#include "plenoflame/image/pixel_values.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/window/main_window.h"
+
+// The linker takes this copy of the function. The copies of files with -O1 visit each pixel.
+template class std::vector<float, plenoflame::ZeroedAllocator<float>>;
 
 namespace {
 

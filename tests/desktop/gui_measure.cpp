@@ -40,8 +40,7 @@
 #include "widgets/window/film_dialog.h"
 #include "widgets/window/main_window.h"
 
-// Light fields are freed as fast as in the program: the linker takes this copy of the function, and
-// not one of a file that was compiled without optimisation, where it visits each pixel.
+// The program has the same line, so that it frees pictures as fast.
 template class std::vector<float, plenoflame::ZeroedAllocator<float>>;
 
 namespace plenoflame::desktop::test {

@@ -333,8 +333,10 @@ class LectureTest : public test::SceneFixture {
     }));
     auto* const left = child<ImageView>("compareLeft");
     auto* const right = child<ImageView>("compareRight");
-    QVERIFY(until([&] { return right->image() && right->image()->largest() > 0; }));
-    QVERIFY(std::abs(right->image()->largest() / left->image()->largest() / 2.0F - 1) < 1e-5F);
+    QVERIFY(until([&] {
+      return left->image() && right->image() &&
+             std::abs(right->image()->largest() / left->image()->largest() / 2.0F - 1) < 1e-5F;
+    }));
     QCOMPARE(left->tone_settings().white, right->tone_settings().white);
     // The colours are those of the picture in the main window, told by a bar, and within the
     // screen.

@@ -4,6 +4,7 @@
 #include <QComboBox>
 #include <QFile>
 #include <QLabel>
+#include <QLineEdit>
 #include <QSlider>
 #include <QTabWidget>
 #include <algorithm>
@@ -16,6 +17,7 @@
 #include "widgets/controls/plot_widget.h"
 #include "widgets/flame/flame_panel.h"
 #include "widgets/flame/opacity_curve.h"
+#include "widgets/image/colour_bar.h"
 #include "widgets/image/light_field_panel.h"
 #include "widgets/scene/scene_view.h"
 #include "widgets/scene/section_view.h"
@@ -44,6 +46,19 @@ class PictureTest : public test::WindowFixture {
  private slots:
   void init() { begin(); }
   void cleanup() { end(); }
+
+  void barBesideTheImageHasItsValues() {
+    open_small();
+    auto* bar = child<ColourBar>("imageBar");
+    QVERIFY(bar->isVisible());
+    QCOMPARE(bar->labels().front().section(' ', 0, 0), QString("0"));
+    auto* white = child<QLineEdit>("white");
+    white->setFocus();
+    QTest::keyClicks(white, "20 nW");
+    QTest::keyClick(white, Qt::Key_Return);
+    QCOMPARE(bar->labels().back(), QString("20 nW"));
+    QVERIFY(bar->labels()[2].endsWith("W"));
+  }
 
   void profileHasTheValuesAlongTheLine() {
     open_small();

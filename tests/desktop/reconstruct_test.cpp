@@ -84,7 +84,7 @@ class ReconstructTest : public test::WindowFixture {
     open_round_flame();
     auto* const cameras = child<QTreeWidget>("reconstructCameras");
     QCOMPARE(cameras->topLevelItemCount(), 1);
-    QCOMPARE(cameras->topLevelItem(0)->text(1), QString("that in the window"));
+    QCOMPARE(cameras->topLevelItem(0)->text(1), QString("in the window"));
     QVERIFY(!push("reconstructSave")->isEnabled());
     // One camera takes rings, and says why; a low window shows the begin of the group.
     QCOMPARE(child<QComboBox>("reconstructUnknowns")->currentData().toString(), QString("rings"));
@@ -191,7 +191,7 @@ class ReconstructTest : public test::WindowFixture {
     QVERIFY(window_->open(file("front.toml")));
     QVERIFY(settled());
     QVERIFY(click_menu({"Render", "Reconstruct the flame..."}));
-    choose("reconstructUnknowns", "Rings x heights (a round flame)");
+    choose("reconstructUnknowns", "Rings (round flame)");
     fill("reconstructRays", "64");
     QTest::mouseClick(push("reconstructStart"), Qt::LeftButton);
     QVERIFY(
@@ -224,7 +224,7 @@ class ReconstructTest : public test::WindowFixture {
     QCOMPARE(cameras->topLevelItemCount(), 2);
     QCOMPARE(cameras->topLevelItem(1)->text(1), QString("will be rendered"));
     choose("reconstructFind", "Temperature");
-    choose("reconstructUnknowns", "Rings x heights (a round flame)");
+    choose("reconstructUnknowns", "Rings (round flame)");
     QVERIFY(!child<QComboBox>("reconstructSolver")->isEnabled());
     QVERIFY(child<QLineEdit>("reconstructRingsAxis")->isEnabled());
     QVERIFY(!child<QLineEdit>("reconstructRatios")->isEnabled());

@@ -64,9 +64,9 @@ class ViewsTest : public test::SceneFixture {
     return nullptr;
   }
   /// Tells if it shows the present image: 99.9 % of the lit pixels not white, a power of 1 / 2.2.
-  bool sensor_shows_the_image() {
+  bool sensor_shows_the_image() {  // and the panel's worker has made it
     vtkImageData* const texture = sensor_texture();
-    if (!texture) return false;
+    if (!texture || texture != window_->image_panel().on_sensor()) return false;
     std::vector<float> lit;
     for (const float f : flux().pixels)
       if (f > 0) lit.push_back(f);
@@ -93,7 +93,7 @@ class ViewsTest : public test::SceneFixture {
     for (SceneView* const shown : {&plain, &warmed}) {
       shown->resize(500, 400);
       shown->show_part(SceneView::Part::camera);
-      shown->set_image(window_->image_panel().flux_pyramid());
+      shown->set_picture(window_->image_panel().on_sensor());
       shown->set_scene(session().compiler().compiled(), SceneChanges::all());
     }
     warmed.warm_up();  // what follows is not there yet: no event was handled in between

@@ -68,42 +68,19 @@ vtkSmartPointer<vtkPolyData> coloured(vtkPolyData* data, Colour colour) {
   return copy;
 }
 
-/// The first channel as grey picture, 99.9 % of the lit pixels not white.
-vtkSmartPointer<vtkImageData> picture_of(vtkImageData& light_field) {
-  vtkDataArray* const flux = light_field.GetPointData()->GetScalars();
-  const auto picture = vtkSmartPointer<vtkImageData>::New();
-  picture->SetDimensions(light_field.GetDimensions());
-  picture->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
-  auto* out = static_cast<unsigned char*>(picture->GetScalarPointer());
-  std::vector<double> lit;
-  for (vtkIdType i = 0; i < flux->GetNumberOfTuples(); ++i)
-    if (flux->GetTuple1(i) > 0) lit.push_back(flux->GetTuple1(i));
-  double white = 1;
-  if (!lit.empty()) {
-    const auto place = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(lit.size() - 1));
-    std::nth_element(lit.begin(), lit.begin() + place, lit.end());
-    white = lit[static_cast<std::size_t>(place)];
-  }
-  for (vtkIdType i = 0; i < flux->GetNumberOfTuples(); ++i) {
-    const double value = std::pow(std::clamp(flux->GetTuple1(i) / white, 0.0, 1.0), 1 / 2.2);
-    for (int k = 0; k < 3; ++k) *out++ = static_cast<unsigned char>(std::lround(255 * value));
-  }
-  return picture;
-}
-
 /// The part of the sensor that a window of it covers.
-vtkSmartPointer<vtkPolyData> window_of(vtkPolyData* sensor, vtkImageData& light_field) {
+vtkSmartPointer<vtkPolyData> window_of(vtkPolyData* sensor, vtkImageData& picture) {
   const auto part = vtkSmartPointer<vtkPolyData>::New();
   part->DeepCopy(sensor);
-  vtkDataArray* const size = light_field.GetFieldData()->GetArray("plenoflame.sensor");
+  vtkDataArray* const size = picture.GetFieldData()->GetArray("plenoflame.sensor");
   if (!size) return part;
   double corner[3], right[3], up[3];
   sensor->GetPoint(0, corner);
   sensor->GetPoint(1, right);
   sensor->GetPoint(3, up);
   const std::array<double, 2> whole{size->GetComponent(0, 0), size->GetComponent(1, 0)};
-  const double* const origin = light_field.GetOrigin();
-  const int* const points = light_field.GetDimensions();
+  const double* const origin = picture.GetOrigin();
+  const int* const points = picture.GetDimensions();
   for (vtkIdType i = 0; i < 4; ++i) {
     const double* t = sensor->GetPointData()->GetTCoords()->GetTuple2(i);
     const double u = (origin[0] - 0.5 + t[0] * points[0]) / whole[0];
@@ -152,25 +129,47 @@ void status_colour(int status, double (&rgb)[3]) {
   std::copy(colour.begin(), colour.end(), rgb);
 }
 
-void add_camera(vtkMultiBlockDataSet& camera, vtkImageData* plate_texture,
-                vtkImageData* light_field, double glass, vtkRenderer& renderer) {
+vtkSmartPointer<vtkImageData> picture_of(vtkImageData& light_field) {
+  vtkDataArray* const flux = light_field.GetPointData()->GetScalars();
+  const auto picture = vtkSmartPointer<vtkImageData>::New();
+  picture->CopyStructure(&light_field);
+  picture->SetFieldData(light_field.GetFieldData());
+  picture->AllocateScalars(VTK_UNSIGNED_CHAR, 3);
+  auto* out = static_cast<unsigned char*>(picture->GetScalarPointer());
+  std::vector<double> lit;
+  for (vtkIdType i = 0; i < flux->GetNumberOfTuples(); ++i)
+    if (flux->GetTuple1(i) > 0) lit.push_back(flux->GetTuple1(i));
+  double white = 1;
+  if (!lit.empty()) {
+    const auto place = static_cast<std::ptrdiff_t>(0.999 * static_cast<double>(lit.size() - 1));
+    std::nth_element(lit.begin(), lit.begin() + place, lit.end());
+    white = lit[static_cast<std::size_t>(place)];
+  }
+  for (vtkIdType i = 0; i < flux->GetNumberOfTuples(); ++i) {
+    const double value = std::pow(std::clamp(flux->GetTuple1(i) / white, 0.0, 1.0), 1 / 2.2);
+    for (int k = 0; k < 3; ++k) *out++ = static_cast<unsigned char>(std::lround(255 * value));
+  }
+  return picture;
+}
+
+void add_picture(vtkPolyData* sensor, vtkImageData& picture, vtkRenderer& renderer) {
+  if (!sensor || sensor->GetNumberOfCells() == 0) return;
+  // A hair in front of the bare sensor, so that the two don't fight for the same depth.
+  const auto actor = actor_of(window_of(sensor, picture), {1, 1, 1}, 1);
+  actor->SetTexture(texture_of(&picture, false));
+  actor->GetProperty()->LightingOff();
+  actor->GetMapper()->SetRelativeCoincidentTopologyPolygonOffsetParameters(-2, -2);
+  actor->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
+  renderer.AddActor(actor);
+}
+
+void add_camera(vtkMultiBlockDataSet& camera, vtkImageData* plate_texture, double glass,
+                vtkRenderer& renderer) {
   const auto block = [&](unsigned which) -> vtkPolyData* {
     auto* const data = vtkPolyData::SafeDownCast(camera.GetBlock(which));
     return data && data->GetNumberOfCells() > 0 ? data : nullptr;
   };
-  if (auto* sensor = block(Source::SENSOR)) {
-    add_flat(sensor, nullptr, {0.62, 0.64, 0.68}, renderer);
-    if (light_field) {
-      const auto part = window_of(sensor, *light_field);
-      // A hair in front of the bare sensor, so that the two don't fight for the same depth.
-      const auto actor = actor_of(part, {1, 1, 1}, 1);
-      actor->SetTexture(texture_of(picture_of(*light_field), false));
-      actor->GetProperty()->LightingOff();
-      actor->GetMapper()->SetRelativeCoincidentTopologyPolygonOffsetParameters(-2, -2);
-      actor->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
-      renderer.AddActor(actor);
-    }
-  }
+  if (auto* sensor = block(Source::SENSOR)) add_flat(sensor, nullptr, {0.62, 0.64, 0.68}, renderer);
   if (auto* plate = block(Source::ARRAY_PLATE); plate && !block(Source::MICROLENSES)) {
     const auto actor = actor_of(plate, {1, 1, 1}, 0.75);
     actor->SetTexture(texture_of(plate_texture, true));

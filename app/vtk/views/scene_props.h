@@ -10,10 +10,16 @@ namespace plenoflame::views {
 
 /// Adds the parts of a camera. @param camera from vtkPlenoflameCameraSource
 /// @param plate_texture repeats over the array's plate
-/// @param light_field its first channel is shown on the sensor; null: none
 /// @param glass opacity of lens surfaces
-void add_camera(vtkMultiBlockDataSet& camera, vtkImageData* plate_texture,
-                vtkImageData* light_field, double glass, vtkRenderer& renderer);
+void add_camera(vtkMultiBlockDataSet& camera, vtkImageData* plate_texture, double glass,
+                vtkRenderer& renderer);
+
+/// The first channel of a light field as grey picture, 99.9 % of the lit pixels not white. Any
+/// thread may make it.
+vtkSmartPointer<vtkImageData> picture_of(vtkImageData& light_field);
+
+/// Adds such a picture on the sensor. @param sensor from vtkPlenoflameCameraSource
+void add_picture(vtkPolyData* sensor, vtkImageData& picture, vtkRenderer& renderer);
 
 /// Adds ray paths as lines. @param by_status instead of by the type of the microlens
 void add_rays(vtkPolyData& rays, bool by_status, vtkRenderer& renderer);

@@ -183,7 +183,7 @@ bool vtkPlenoflameScenePicture::AddOtherCameras(vtkRenderer* renderer, int font_
     source->Update();
     vtkMultiBlockDataSet* const parts = source->GetOutput();
     if (parts->GetNumberOfBlocks() == 0) return false;  // after an error event of the source
-    views::add_camera(*parts, source->GetPlateTexture(), nullptr, 0.4, *renderer);
+    views::add_camera(*parts, source->GetPlateTexture(), 0.4, *renderer);
     vtkBoundingBox box;
     for (unsigned block = 0; block < parts->GetNumberOfBlocks(); ++block)
       if (auto* data = vtkPolyData::SafeDownCast(parts->GetBlock(block));
@@ -260,8 +260,10 @@ bool vtkPlenoflameScenePicture::AddView(vtkRenderer* renderer, int view, bool in
   const auto sensor_bounds = bounds_of({Source::SENSOR});
 
   renderer->SetBackground(views::kBackground[0], views::kBackground[1], views::kBackground[2]);
-  views::add_camera(*camera, source->GetPlateTexture(), this->SensorImage, close ? 0.45 : 0.4,
-                    *renderer);
+  views::add_camera(*camera, source->GetPlateTexture(), close ? 0.45 : 0.4, *renderer);
+  if (this->SensorImage)
+    views::add_picture(vtkPolyData::SafeDownCast(camera->GetBlock(Source::SENSOR)),
+                       *views::picture_of(*this->SensorImage), *renderer);
   if (this->Rays && this->Rays->GetNumberOfLines() > 0)
     views::add_rays(*this->Rays, this->RayColoring == BY_STATUS, *renderer);
   vtkSmartPointer<vtkColorTransferFunction> colours;

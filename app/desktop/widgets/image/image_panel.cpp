@@ -19,6 +19,7 @@
 #include "widgets/controls/tool_row.h"
 #include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
+#include "widgets/scene/scene_geometry.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -218,11 +219,12 @@ void ImagePanel::request() {
       // large.
       const Histogram counts =
           histogram(shown->level(shown->level_within(kCountedSide)), 80, true, 4);
-      post(this, [this, number, flux, shown, white, saturation, counts, seen] {
+      post(this, [=, this, on_sensor = picture_on_sensor(*flux)] {
         if (number != newest_) return;
         shown_ = number;
         left_over_ = false;
         flux_pyramid_ = flux;
+        on_sensor_ = on_sensor;
         pyramid_ = shown;
         colours_ = seen;
         automatic_white_ = white > 0 ? white : 1;
@@ -250,6 +252,7 @@ void ImagePanel::drop_left_over() {
 void ImagePanel::drop_picture() {
   left_over_ = false;
   pyramid_ = flux_pyramid_ = nullptr;
+  on_sensor_ = nullptr;
   colours_ = nullptr;
   show_picture();
   histogram_plot_->set_series({});

@@ -1,4 +1,7 @@
 #pragma once
+#include <vtkImageData.h>
+#include <vtkSmartPointer.h>
+
 #include <QTimer>
 #include <QWidget>
 #include <memory>
@@ -41,7 +44,8 @@ class ImagePanel : public QWidget {
   PlotWidget& profile_plot() { return *profile_plot_; }
   /// The picture that is shown now; null: none yet.
   const std::shared_ptr<const ImagePyramid>& pyramid() const { return pyramid_; }
-  const std::shared_ptr<const ImagePyramid>& flux_pyramid() const { return flux_pyramid_; }
+  /// Its flux as it is seen on the sensor in 3-D; null: none yet.
+  const vtkSmartPointer<vtkImageData>& on_sensor() const { return on_sensor_; }
   /// True if the document's image is shown, and not an earlier one.
   bool is_current() const { return shown_ == newest_ && !measured_task_.busy(); }
   /// True while the picture of the document before is shown, as there is none of this one yet.
@@ -95,6 +99,7 @@ class ImagePanel : public QWidget {
   QLineEdit* white_;
   QAction *outlines_, *saturation_;
   std::shared_ptr<const ImagePyramid> pyramid_, flux_pyramid_;
+  vtkSmartPointer<vtkImageData> on_sensor_;
   std::shared_ptr<const ImageView::Colours> colours_;  ///< null: one channel is shown
   double automatic_white_ = 1, automatic_saturation_ = 0;
   QLineF profile_;

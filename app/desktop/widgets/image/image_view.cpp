@@ -30,8 +30,7 @@ QColor type_colour(int type) {
   return QColor::fromRgbF(rgb[0], rgb[1], rgb[2]);
 }
 
-ImageView::ImageView(QWidget* parent)
-    : QWidget(parent), table_(std::make_unique<ToneTable>(tone_)) {
+ImageView::ImageView(QWidget* parent) : QWidget(parent) {
   setMouseTracking(true);
   setFocusPolicy(Qt::StrongFocus);
   setMinimumSize(120, 120);
@@ -48,20 +47,20 @@ void ImageView::set_image(std::shared_ptr<const ImagePyramid> image) {
 
 void ImageView::set_tone(const ToneSettings& settings) {
   tone_ = settings;
-  make_tables();
+  table_ = nullptr;
   update();
 }
 
 void ImageView::set_overlay(std::shared_ptr<const ImagePyramid> image, double white) {
   overlay_ = std::move(image);
   overlay_white_ = white > 0 ? white : 1;
-  make_tables();
+  table_ = nullptr;
   update();
 }
 
 void ImageView::set_colours(std::shared_ptr<const Colours> colours) {
   colours_ = std::move(colours);
-  make_tables();
+  table_ = nullptr;
   update();
 }
 
@@ -372,6 +371,7 @@ void ImageView::paintEvent(QPaintEvent*) {
                      empty_text_.isEmpty() ? tr("no picture yet") : empty_text_);
     return;
   }
+  if (!table_) make_tables();
   draw_image(painter);
   painter.setRenderHint(QPainter::Antialiasing);
   draw_values(painter);

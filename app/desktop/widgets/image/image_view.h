@@ -108,7 +108,7 @@ class ImageView : public QWidget {
   std::shared_ptr<const Colours> colours_;
   ToneSettings tone_;
   double overlay_white_ = 1;
-  std::unique_ptr<ToneTable> table_;
+  std::unique_ptr<ToneTable> table_;                   ///< null: out of date
   std::unique_ptr<ToneTable> grey_, grey_of_overlay_;  ///< null without overlay
   QImage canvas_;
   QString badge_, empty_text_, caption_;

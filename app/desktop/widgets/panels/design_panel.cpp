@@ -21,6 +21,7 @@ namespace {
 
 constexpr int kWarningsShown = 2;  ///< more of them are folded away at first
 constexpr int kLeastRemark = 14;   ///< [characters] that the column of remarks is worth having for
+constexpr int kLeastRows = 8;      ///< of the table that are seen at least
 
 /// "102.8 mm wide, 16.62 mm behind" has its figure before the first comma, semicolon or bracket.
 std::array<QString, 2> value_and_remark(const QString& text) {
@@ -49,6 +50,7 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Fixed);
   table_->setWordWrap(true);
+  table_->setMinimumHeight(kLeastRows * (fontMetrics().height() + 6));
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setAlternatingRowColors(true);
   table_->setToolTip(
@@ -110,6 +112,7 @@ void DesignPanel::fit_columns() {
     QTableWidgetItem* const item = table_->item(i, 1);
     if (item) item->setText(narrow && !row[2].isEmpty() ? row[1] + "\n" + row[2] : row[1]);
   }
+  if (narrow) figure = room - std::max(room - figure, std::min(value, room / 2));
   table_->setColumnWidth(0, figure);
   table_->setColumnWidth(1, narrow ? room - figure : value);
   if (!narrow) table_->setColumnWidth(2, rest);

@@ -20,7 +20,8 @@ namespace plenoflame::desktop {
 namespace {
 
 constexpr int kEndedColumn = 2;
-constexpr int kRows = 3;  ///< that are seen at least
+constexpr int kLettersOfCut = 9;  ///< that a column has room for whose long texts are cut
+constexpr int kRows = 3;          ///< that are seen at least
 /// Columns that a narrow panel leaves out, first to last: the lines' tooltips show them.
 constexpr std::array<int, 7> kRaysLeaveOut{1, 5, 8, 4, 6, 3, 7};
 constexpr std::array<int, 3> kSurfacesLeaveOut{3, 4, 2};
@@ -42,6 +43,7 @@ QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QW
   table->setSelectionBehavior(QAbstractItemView::SelectRows);
   table->setSelectionMode(QAbstractItemView::SingleSelection);
   table->setAlternatingRowColors(true);
+  table->setTextElideMode(Qt::ElideMiddle);  // ends tell lens surfaces apart
   table->verticalHeader()->setVisible(false);
   table->verticalHeader()->setMinimumSectionSize(1);  // the style's would be higher than letters
   table->verticalHeader()->setDefaultSectionSize(row_height(table->fontMetrics()));
@@ -52,14 +54,17 @@ QTableWidget* make_table(const QStringList& headers, const QStringList& tips, QW
   return table;
 }
 
-/// Shows as many columns as are whole in the table's width.
+/// Shows as many columns as are whole in the table's width. @param cut column whose long texts may
+/// be cut; -1: none
 template <std::size_t Count>
-void fit(QTableWidget& table, const std::array<int, Count>& leave_out) {
+void fit(QTableWidget& table, const std::array<int, Count>& leave_out, int cut = -1) {
   int width = 2 * table.frameWidth() + table.verticalScrollBar()->sizeHint().width() + 2;
   for (int i = 0; i < table.columnCount(); ++i) {
     table.setColumnHidden(i, false);
+    const int texts = static_cast<const QAbstractItemView&>(table).sizeHintForColumn(i);
+    const int most = kLettersOfCut * table.fontMetrics().averageCharWidth();
     width += std::max(table.horizontalHeader()->sectionSizeHint(i),
-                      static_cast<const QAbstractItemView&>(table).sizeHintForColumn(i));
+                      i == cut ? std::min(texts, most) : texts);
   }
   for (const int column : leave_out) {
     if (width <= table.width()) return;
@@ -102,6 +107,7 @@ RaysPanel::RaysPanel(RaySelector& rays, QWidget* parent)
           "over the rays: the pixel's flux")},
       split_);
   table_->setObjectName("raysTable");
+  table_->horizontalHeader()->setSectionResizeMode(kEndedColumn, QHeaderView::Stretch);
   surfaces_ = make_table({tr("Surface"), tr("Distance"), tr("Height"), tr("Angle"), tr("Index")},
                          {tr("What it meets, in order"), tr("Along the ray from its start"),
                           tr("From the optical axis"), tr("With the axis, behind the surface"),
@@ -226,7 +232,7 @@ void RaysPanel::show_title() {
 }
 
 void RaysPanel::fit_tables() {
-  fit(*table_, kRaysLeaveOut);
+  fit(*table_, kRaysLeaveOut, kEndedColumn);
   fit(*surfaces_, kSurfacesLeaveOut);
 }
 

@@ -107,7 +107,7 @@ void ReconstructPanel::make_choices(QWidget* page) {
                      {tr("Temperature and absorption"), "both"}});
   unknowns_ = choice_of(page, "reconstructUnknowns", tr("The numbers that are solved for"),
                         {{tr("Voxels"), "voxels"},
-                         {tr("Rings x heights (a round flame)"), "rings"},
+                         {tr("Rings (round flame)"), "rings"},
                          {tr("Ellipsoidal layers"), "layers"}});
   why_ = new QLabel(page);
   why_->setObjectName("reconstructWhy");
@@ -310,7 +310,7 @@ std::shared_ptr<const LightField> ReconstructPanel::picture_of(const Row& row) c
 void ReconstructPanel::show_pictures() {
   for (const Row& row : rows_) {
     row.item->setText(1, !row.file.isEmpty() ? QFileInfo(row.file).fileName()
-                         : picture_of(row)   ? tr("that in the window")
+                         : picture_of(row)   ? tr("in the window")
                                              : tr("will be rendered"));
     row.item->setToolTip(1, row.file);
   }

@@ -185,7 +185,7 @@ void RenderPanel::show_status() {
     left_out << tr("%1 % of the microlenses").arg(share(s.lenses_skipped, s.lenses));
   if (s.tiles_skipped > 0) left_out << tr("%1 % of the tiles").arg(share(s.tiles_skipped, s.tiles));
   for (const std::string& phrase : s.left_out) left_out << QString::fromStdString(phrase);
-  skipped_->setText(left_out.isEmpty() ? QString() : tr("Left out: ") + left_out.join(", "));
+  skipped_->setText(left_out.isEmpty() ? QString() : tr("Skipped: ") + left_out.join(", "));
   // By itself a bar draws at once, and with it the whole window, before all the rest that changes
   // here is drawn in its turn.
   bar_->setUpdatesEnabled(false);

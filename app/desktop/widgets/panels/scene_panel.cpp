@@ -106,7 +106,8 @@ ScenePanel::ScenePanel(Document& document, QWidget* parent)
   tree_->header()->setSectionResizeMode(ParameterModel::kValue, QHeaderView::Interactive);
   tree_->header()->setMinimumSectionSize(20);
   tree_->header()->resizeSection(ParameterModel::kValue, kValueWidth);
-  tree_->header()->setStretchLastSection(true);
+  tree_->header()->setStretchLastSection(false);
+  tree_->header()->setSectionResizeMode(ParameterModel::kAllowed, QHeaderView::Stretch);
   tree_->setIndentation(kIndentation);
   tree_->setMinimumHeight(kLeastRows * fontMetrics().lineSpacing());
   message_->setObjectName("sceneMessage");

@@ -15,6 +15,7 @@
 
 #include "picture_camera.h"
 #include "plenoflame/scene/glass_indices.h"
+#include "scene_props.h"
 #include "vtkPlenoflameCameraSource.h"
 #include "vtkPlenoflameScene.h"
 #include "widgets/scene/camera_body.h"
@@ -123,17 +124,19 @@ vtkSmartPointer<vtkImageData> small_flame() {
   return image;
 }
 
-vtkSmartPointer<vtkImageData> texture_of(const Image& image) {
-  auto texture = vtkSmartPointer<vtkImageData>::New();
-  texture->SetDimensions(image.width, image.height, 1);
+vtkSmartPointer<vtkImageData> picture_on_sensor(const ImagePyramid& light) {
+  constexpr int kLargest = 640;  ///< pixels along the longer side
+  const Image& image = light.level(light.level_within(kLargest));
+  vtkNew<vtkImageData> rows_upwards;
+  rows_upwards->SetDimensions(image.width, image.height, 1);
   vtkNew<vtkFloatArray> flux;
   flux->SetNumberOfValues(static_cast<vtkIdType>(image.pixels.size()));
   for (int row = 0; row < image.height; ++row)
     for (int column = 0; column < image.width; ++column)
       flux->SetValue(static_cast<vtkIdType>(image.height - 1 - row) * image.width + column,
                      image.at(column, row));
-  texture->GetPointData()->SetScalars(flux);
-  return texture;
+  rows_upwards->GetPointData()->SetScalars(flux);
+  return views::picture_of(*rows_upwards);
 }
 
 void fit_clipping(vtkRenderer& renderer) {

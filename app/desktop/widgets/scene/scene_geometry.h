@@ -7,9 +7,9 @@
 #include <array>
 #include <vector>
 
+#include "model/image_display.h"
 #include "model/schematic.h"
 #include "plenoflame/camera/camera.h"
-#include "plenoflame/image/image.h"
 #include "plenoflame/scene/scene.h"
 #include "surface_props.h"
 
@@ -20,6 +20,8 @@ namespace plenoflame::desktop {
 /// All that is drawn of a scene in 3-D; made on any thread.
 struct SceneGeometry {
   vtkSmartPointer<vtkImageData> flame;
+  /// Between which nearly all of its emission lies [K].
+  std::array<double, 2> temperatures{0, 0};
 
   struct Drawn {
     Camera optics;
@@ -53,8 +55,8 @@ vtkSmartPointer<vtkPolyData> placed(vtkPolyData* data, const Schematic& schemati
 /// Hot and dense everywhere, in some points.
 vtkSmartPointer<vtkImageData> small_flame();
 
-/// Pixels in the order of VTK, rows upwards.
-vtkSmartPointer<vtkImageData> texture_of(const Image& image);
+/// A light field as it is seen on the sensor; made on any thread.
+vtkSmartPointer<vtkImageData> picture_on_sensor(const ImagePyramid& light);
 
 /// The near plane follows the distance to the objects. The depth buffer's 24 bits then separate
 /// surfaces from the whole scene down to a microlens. The far plane holds everything, which costs

@@ -65,7 +65,6 @@ namespace {
 
 constexpr int kFlamePoints = 72;  ///< along the longest side: software drawing must keep up
 constexpr int kLightPoints = 112;
-constexpr int kSensorTexture = 640;
 constexpr double kGlass = 0.4, kMicrolensGlass = 0.45;  ///< opacity
 
 /// Parts that are made for paper are seen before the dark, too.
@@ -211,8 +210,7 @@ void SceneView::warm_up() {
   geometry_ = std::make_shared<SceneGeometry>(scene);
   geometry_->flame = small_flame();
   temperatures_ = {1000, 2000};
-  image_ = std::make_shared<const ImagePyramid>(std::make_shared<const Image>(8, 8, 1.0F),
-                                                Execution{1, {}, {}, {}});
+  picture_ = picture_on_sensor({std::make_shared<const Image>(8, 8, 1.0F), {1, {}, {}, {}}});
   auto rays = std::make_shared<SelectedRays>();
   rays->paths.rays.resize(1);
   rays->paths.vertices.resize(2);
@@ -232,10 +230,10 @@ void SceneView::warm_up() {
   part_ = Part::scene;
   highlighted_ = -1;
   geometry_ = nullptr;
-  image_ = nullptr;
+  picture_ = nullptr;
   rays_ = nullptr;
   temperatures_ = {0, 0};
-  for (const char* layer : {"camera", "arrays", "housing", "flame", "rays"})
+  for (const char* layer : {"camera", "picture", "arrays", "housing", "flame", "rays"})
     view_->replace(layer, [](vtkRenderer&) {});
   view_->window->Render();
 }
@@ -259,13 +257,14 @@ void SceneView::clear() {
   scene_ = nullptr;
   geometry_ = nullptr;
   rays_ = nullptr;
-  image_ = nullptr;
+  picture_ = nullptr;
   others_.clear();
   temperatures_ = {0, 0};
   aimed_ = along_axis_ = false;
   schematic_ = {};
   other_schematics_.clear();
-  for (const char* layer : {"camera", "arrays", "housing", "flame", "surroundings", "rays", "gaps"})
+  for (const char* layer :
+       {"camera", "picture", "arrays", "housing", "flame", "surroundings", "rays", "gaps"})
     view_->replace(layer, [](vtkRenderer&) {});
   find_ways();
   place_handles();
@@ -314,7 +313,10 @@ void SceneView::build_geometry() {
       const auto built = std::make_shared<SceneGeometry>(scene->scene, others);
       if (scene->medium)
         built->flame = pipeline::flame_image(*scene->medium, kFlamePoints, execution);
-      if (built->flame) show_glow(*scene->medium, *built->flame, execution);
+      if (built->flame) {
+        show_glow(*scene->medium, *built->flame, execution);
+        built->temperatures = span_of(*built->flame);
+      }
       built->add_surroundings(scene->scene);
       post(this, [this, number, built] {
         if (number != newest_) return;
@@ -332,10 +334,7 @@ void SceneView::build_geometry() {
 }
 
 void SceneView::add_geometry() {
-  temperatures_ = {0, 0};
-  if (geometry_->flame) {
-    temperatures_ = span_of(*geometry_->flame);
-  }
+  temperatures_ = geometry_->temperatures;
   view_->show_frame(true);
   view_->axes->InteractiveOff();
   update_schematic();
@@ -343,7 +342,7 @@ void SceneView::add_geometry() {
   if (first_) {
     // The first frame of each kind of thing compiles programs for the graphics card. Things are
     // added one at a time, beginning with none, so that the window answers in between.
-    view_->window->Render();
+    render();
     add_layers();
     for (const auto& [layer, props] : view_->layers)
       for (const auto& prop : props)
@@ -384,15 +383,13 @@ void SceneView::show_all() {
 
 void SceneView::add_camera() {
   if (!geometry_) return;
-  vtkSmartPointer<vtkImageData> texture;
-  if (image_ && !image_->empty())
-    texture = texture_of(image_->level(image_->level_within(kSensorTexture)));
   view_->replace("camera", [&](vtkRenderer& renderer) {
     for (std::size_t i = 0; i < geometry_->drawn.size(); ++i)
-      views::add_camera(*placed(*geometry_->drawn[i].parts, schematic_of(i)), nullptr,
-                        i == 0 ? texture : nullptr, kGlass, renderer);
+      views::add_camera(*placed(*geometry_->drawn[i].parts, schematic_of(i)), nullptr, kGlass,
+                        renderer);
   });
   polish("camera");
+  add_picture();
   add_housings();
 }
 
@@ -422,7 +419,7 @@ void SceneView::add_arrays() {
           plate ? vtkPlenoflameCameraSource::ARRAY_PLATE : vtkPlenoflameCameraSource::MICROLENSES,
           placed(plate ? cameras[i].plate : lenses_of(cameras[i].optics, shown[i]),
                  schematic_of(i)));
-      views::add_camera(*array, cameras[i].plate_texture, nullptr, kMicrolensGlass, renderer);
+      views::add_camera(*array, cameras[i].plate_texture, kMicrolensGlass, renderer);
     }
   });
   polish("arrays");
@@ -489,13 +486,6 @@ void SceneView::set_highlighted(int ray) {
   if (ray == highlighted_) return;
   highlighted_ = ray;
   add_rays();
-  render();
-}
-
-void SceneView::set_image(const std::shared_ptr<const ImagePyramid>& image) {
-  image_ = image;
-  if (!geometry_ || held_) return;
-  add_camera();
   render();
 }
 

@@ -1,4 +1,7 @@
 #pragma once
+#include <vtkImageData.h>
+#include <vtkSmartPointer.h>
+
 #include <QEvent>
 #include <QTimer>
 #include <QWidget>
@@ -8,7 +11,6 @@
 #include <vector>
 
 #include "model/flame_look.h"
-#include "model/image_display.h"
 #include "model/jobs/latest_task.h"
 #include "model/jobs/ray_selector.h"
 #include "model/scene_changes.h"
@@ -20,7 +22,6 @@ class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
 class QSlider;
-class vtkImageData;
 class vtkPolyData;
 class vtkRenderer;
 
@@ -55,7 +56,8 @@ class SceneView : public QWidget {
   /// @param chosen the ray that stands out; -1: none
   void set_rays(std::shared_ptr<const SelectedRays> rays, int chosen = -1);
   void set_highlighted(int ray);
-  void set_image(const std::shared_ptr<const ImagePyramid>& image);
+  /// @param picture of picture_on_sensor(); null: none
+  void set_picture(vtkSmartPointer<vtkImageData> picture);
   void set_flame_look(const FlameLook& look);
   const FlameLook& flame_look() const { return look_; }
   /// Takes a drawing that is shown instead of the one in three dimensions while *Section* is on.
@@ -143,6 +145,7 @@ class SceneView : public QWidget {
   void find_light();
   void add_rays();
   void add_camera();
+  void add_picture();
   /// Middle of the selected pixel, or of the sensor [columns, rows].
   std::array<double, 2> pixel() const;
   /// Shows microlenses where they are seen large, and plates elsewhere.
@@ -190,7 +193,7 @@ class SceneView : public QWidget {
   std::shared_ptr<const CompiledScene> scene_;
   std::vector<CameraSpec> others_;
   std::shared_ptr<const SelectedRays> rays_;
-  std::shared_ptr<const ImagePyramid> image_;
+  vtkSmartPointer<vtkImageData> picture_;  ///< on the sensor; null: none
   std::shared_ptr<SceneGeometry> geometry_;
   FlameLook look_;
   Part part_ = Part::scene;

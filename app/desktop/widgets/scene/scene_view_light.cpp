@@ -8,10 +8,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "scene_props.h"
+#include "vtkPlenoflameCameraSource.h"
 #include "widgets/scene/ray_lines.h"
+#include "widgets/scene/scene_geometry.h"
 #include "widgets/scene/scene_view_parts.h"
 
-// Light that runs along the rays that are drawn, from the scene to the sensor.
+// Light that runs along the rays that are drawn, from the scene to the sensor, and the picture
+// there.
 namespace plenoflame::desktop {
 namespace {
 
@@ -92,6 +96,22 @@ void SceneView::move_light() {
   if (isVisible() && !view_->ways.empty()) view_->window->Render();
   // A slow machine has time for the rest as well.
   light_timer_.start(std::max<int>(kLeastPause, static_cast<int>(2 * drawing.elapsed())));
+}
+
+void SceneView::set_picture(vtkSmartPointer<vtkImageData> picture) {
+  picture_ = std::move(picture);
+  if (!geometry_ || held_) return;
+  add_picture();
+  render();
+}
+
+void SceneView::add_picture() {
+  view_->replace("picture", [&](vtkRenderer& renderer) {
+    auto* const sensor = vtkPolyData::SafeDownCast(
+        geometry_->drawn[0].parts->GetBlock(vtkPlenoflameCameraSource::SENSOR));
+    if (picture_ && sensor)
+      views::add_picture(placed(sensor, schematic_of(0)), *picture_, renderer);
+  });
 }
 
 }  // namespace plenoflame::desktop

@@ -32,7 +32,7 @@ class vtkImageData;
 
 namespace plenoflame::desktop {
 
-/// Temperatures between which nearly all of the emission of a drawn flame lies [K].
+/// Temperatures between which nearly all of the emission of a drawn flame lies [K]; on any thread.
 std::array<double, 2> span_of(vtkImageData& flame);
 
 /// The parts of VTK that the 3-D view is made of; known to its own sources only.

@@ -12,6 +12,7 @@
 #include "plenoflame/base/units.h"
 #include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
+#include "widgets/scene/scene_geometry.h"
 #include "widgets/scene/scene_view.h"
 
 namespace plenoflame::desktop {
@@ -98,19 +99,31 @@ void CompareWindow::fill(std::size_t side) {
   const Document& document = sessions_[side]->document();
   titles_[side]->setText(QString::fromStdString(document.name()));
   const auto& field = document.image();
-  std::shared_ptr<const ImagePyramid> picture;
-  if (field && !field->channels.empty())
-    picture = std::make_shared<const ImagePyramid>(
-        std::shared_ptr<const Image>(field, &field->channels[0].flux), Execution{1, {}, {}, {}});
-  images_[side]->set_image(picture);
-  scenes_[side]->set_image(picture);
-  if (!picture) return;
+  if (!field || field->channels.empty()) {
+    tasks_[side].cancel();
+    images_[side]->set_image(nullptr);
+    return scenes_[side]->set_picture(nullptr);
+  }
   titles_[side]->setText(
       tr("%1: %2 of %3")
           .arg(titles_[side]->text(), QString::fromStdString(field->channels[0].name))
           .arg(field->samples, 0, 'g', 4) +
       tr(" rays"));
-  set_tones();
+  tasks_[side].request([this, side, field](std::stop_token stop) {
+    Execution execution;
+    execution.stop = std::move(stop);
+    try {
+      const auto picture = std::make_shared<const ImagePyramid>(
+          std::shared_ptr<const Image>(field, &field->channels[0].flux), execution);
+      post(this, [=, this, on_sensor = picture_on_sensor(*picture)] {
+        if (field != sessions_[side]->document().image()) return;
+        images_[side]->set_image(picture);
+        scenes_[side]->set_picture(on_sensor);
+        set_tones();
+      });
+    } catch (const std::exception&) {  // stopped: a newer picture follows
+    }
+  });
 }
 
 /// One scale for both, so that brighter is brighter: of irradiance, as a larger pixel gets more.

@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "model/image_display.h"
+#include "model/jobs/latest_task.h"
 #include "model/session.h"
 
 class QLabel;
@@ -45,6 +46,8 @@ class CompareWindow : public QDialog {
   ToneSettings tone_;
   double white_ = 0;
   bool following_ = false;
+  std::array<LatestTask, 2> tasks_{LatestTask(Urgency::waited_for),
+                                   LatestTask(Urgency::waited_for)};  ///< last: they end first
 };
 
 }  // namespace plenoflame::desktop

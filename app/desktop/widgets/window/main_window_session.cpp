@@ -73,7 +73,7 @@ void MainWindow::connect_session() {
     image_->view().set_marks(rays ? rays->pixels : std::vector<Pixel>{});
   });
   connect(image_, &ImagePanel::pyramid_changed, this, [this] {
-    scene_view_->set_image(image_->flux_pyramid());
+    scene_view_->set_picture(image_->on_sensor());
     show_state();  // the picture of the scene before is gone
   });
   connect(image_, &ImagePanel::map_changed, light_field_, &LightFieldPanel::set_map);

@@ -30,8 +30,7 @@ std::vector<std::string> left_out(const CompiledScene& scene, const RenderSettin
   if (!camera.array.present)
     list.emplace_back("the array: the camera has none");
   else if (settings.estimator == Estimator::backward)
-    list.emplace_back(
-        "rays that the stop or a microlens would block: their directions are not sampled");
+    list.emplace_back("directions that the stop or a microlens blocks");
   if (camera.array.present && types < 3)
     list.push_back(fmt::format("lens types beyond the array's {}", types));
   if (camera.lens.model == LensModel::ideal)
