@@ -117,46 +117,57 @@ void add_flame(const Medium& medium, const SpectralNodes& nodes, const SourceTab
     return nodes.mix.weight(channel, static_cast<int>(node));
   };
   const bool thermal = is_thermal(flame), grey = medium.is_grey();
-  const bool is_grid = flame.kind == FlameKind::vdb;  // layers are closed
+  const bool is_grid = flame.kind == FlameKind::vdb;
   const Box box = medium.bounds();
   const auto [nx, ny, nz] = all.count;
+  // Layers end within a step: a point has the mean of its surroundings.
+  const std::vector<double> sides = is_grid ? std::vector{0.0} : std::vector{-0.25, 0.25};
+  const double share = 1 / std::pow(static_cast<double>(sides.size()), 3);
+  const auto add = [&](const Vec3& place, double kept, std::vector<double>& emission,
+                       std::vector<double>& absorption, Point& point) {
+    if (thermal) {
+      const MediumSample here = medium.sample(place);
+      if (here.absorption == 0) return;
+      if (grey)
+        std::fill(absorption.begin(), absorption.end(), here.absorption);
+      else
+        medium.absorptions(place, absorption.data());
+      table.at(here.temperature, emission.data());
+      for (std::size_t n = 0; n < count; ++n) emission[n] *= absorption[n];
+    } else {
+      medium.absorptions(place, absorption.data());
+      // Light without absorption is that of lines.
+      if (flame.lines.empty() && absorption.front() == 0 && absorption.back() == 0) return;
+      medium.coefficients(place, emission.data());
+    }
+    std::array<double, 3> xyz{};
+    double luminous = 0;
+    for (std::size_t n = 0; n < count; ++n)
+      for (int c = 0; c < 3; ++c) {
+        const double light = flame.brightness * weight(c, n) * emission[n];
+        xyz[static_cast<std::size_t>(c)] += light;
+        if (c == 1) luminous += light * absorption[n];
+      }
+    point.x += static_cast<float>(kept * xyz[0]);
+    point.y += static_cast<float>(kept * xyz[1]);
+    point.z += static_cast<float>(kept * xyz[2]);
+    point.absorption +=
+        static_cast<float>(kept * (xyz[1] > 0 ? luminous / xyz[1] : absorption.front()));
+  };
   for_rows(ny * nz, execution, [&, nx = nx, ny = ny](int row) {
     std::vector<double> emission(count), absorption(count);
     for (int i = 0; i < nx; ++i) {
-      const Vec3 place{all.origin.x + i * all.step.x, all.origin.y + (row % ny) * all.step.y,
-                       all.origin.z + (row / ny) * all.step.z};
-      const double kept = is_grid ? kept_share(box, place) : 1;
+      const auto place = [&](double a, double b, double c) {
+        return Vec3{all.origin.x + (i + a) * all.step.x, all.origin.y + (row % ny + b) * all.step.y,
+                    all.origin.z + (row / ny + c) * all.step.z};
+      };
+      const double kept = share * (is_grid ? kept_share(box, place(0, 0, 0)) : 1);
       if (kept == 0) continue;
-      if (thermal) {
-        const MediumSample here = medium.sample(place);
-        if (here.absorption == 0) continue;
-        if (grey)
-          std::fill(absorption.begin(), absorption.end(), here.absorption);
-        else
-          medium.absorptions(place, absorption.data());
-        table.at(here.temperature, emission.data());
-        for (std::size_t n = 0; n < count; ++n) emission[n] *= absorption[n];
-      } else {
-        medium.absorptions(place, absorption.data());
-        // Light without absorption is that of lines.
-        if (flame.lines.empty() && absorption.front() == 0 && absorption.back() == 0) continue;
-        medium.coefficients(place, emission.data());
-      }
-      std::array<double, 3> xyz{};
-      double luminous = 0;
-      for (std::size_t n = 0; n < count; ++n)
-        for (int c = 0; c < 3; ++c) {
-          const double light = flame.brightness * weight(c, n) * emission[n];
-          xyz[static_cast<std::size_t>(c)] += light;
-          if (c == 1) luminous += light * absorption[n];
-        }
       Point& point = all.points[static_cast<std::size_t>(row) * static_cast<std::size_t>(nx) +
                                 static_cast<std::size_t>(i)];
-      point.x += static_cast<float>(kept * xyz[0]);
-      point.y += static_cast<float>(kept * xyz[1]);
-      point.z += static_cast<float>(kept * xyz[2]);
-      point.absorption +=
-          static_cast<float>(kept * (xyz[1] > 0 ? luminous / xyz[1] : absorption.front()));
+      for (const double a : sides)
+        for (const double b : sides)
+          for (const double c : sides) add(place(a, b, c), kept, emission, absorption, point);
     }
   });
 }
