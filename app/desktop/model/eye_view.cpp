@@ -290,14 +290,15 @@ std::shared_ptr<const EyeFlame> eye_flame(const Scene& scene, int longest,
   auto result = std::make_shared<EyeFlame>();
   const Vec3 size = all.upper - all.lower;
   const double step = std::max({size.x, size.y, size.z}) / (longest - 1);
-  result->origin = all.lower;
+  // One more on each side, where the light goes to 0.
   const auto divide = [&](double length, double& each) {
     const int cells = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
     each = length / cells;
-    return cells + 1;
+    return cells + 3;
   };
   result->count = {divide(size.x, result->step.x), divide(size.y, result->step.y),
                    divide(size.z, result->step.z)};
+  result->origin = all.lower - result->step;
   result->points.resize(static_cast<std::size_t>(result->count[0]) *
                         static_cast<std::size_t>(result->count[1]) *
                         static_cast<std::size_t>(result->count[2]));
