@@ -85,13 +85,17 @@ run_tests() {
   shift
   mapfile -t have < <(sed -n "s/^$preset //p" "$passed")
   before=$((before + ${#have[@]}))
+  while read -r each; do skipped+=("$each"); done < <(sed -n "s/^skipped $preset //p" "$passed")
   [ ${#have[@]} -eq 0 ] || set -- "$@" -E "^($(IFS='|' && echo "${have[*]}"))$"
   say "tests: $preset"
   # One more than processors: tests of programs and windows wait now and then.
   "${run[@]}" ctest --preset "$preset" -j $((jobs + 1)) --no-tests=error "$@" |
     tee "$log" >(sed -unE "s/^ *[0-9]+\/[0-9]+ Test +#[0-9]+: ([^ ]+) \.* +Passed .*/$preset \1/p" >>"$passed") |
     grep -vE '^ +Start +[0-9]+:| +Passed +[0-9.]+ sec$' || status=${PIPESTATUS[0]}
-  while read -r each; do [ -z "$each" ] || skipped+=("$each"); done < <(skipped_tests "$preset")
+  while read -r each; do
+    [ -z "$each" ] || skipped+=("$each")
+    [ -z "$each" ] || echo "skipped $preset $each" >>"$passed"
+  done < <(skipped_tests "$preset")
   line=$(grep -E '^[0-9]+% tests passed, [0-9]+ tests? failed out of [0-9]+' "$log" | tail -1 || true)
   if [[ "$line" =~ \ ([0-9]+)\ tests?\ failed\ out\ of\ ([0-9]+) ]]; then
     total=$((total + BASH_REMATCH[2]))
@@ -126,7 +130,7 @@ build() {
 summary() {
   local percent=$((total > 0 ? 100 * (total - failed) / total : 0))
   [ "$before" -eq 0 ] || printf '\nNot run again: %d tests that have passed on this very tree.\n' "$before"
-  [ ${#skipped[@]} -eq 0 ] || { printf '\nNot run here:\n' && printf '  %s\n' "${skipped[@]}"; }
+  [ ${#skipped[@]} -eq 0 ] || { printf '\nNot run here:\n' && printf '  %s\n' "${skipped[@]}" | sort -u; }
   [ ${#broken[@]} -eq 0 ] || printf '\nFailed: %s\n' "$(IFS=';' && echo "${broken[*]}")"
   printf '\n%d%% tests passed, %d tests failed out of %d (%d min)\n' "$percent" "$failed" "$total" $((SECONDS / 60))
   [ "$failed" -eq 0 ] && [ "$total" -gt 0 ]

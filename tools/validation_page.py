@@ -104,7 +104,7 @@ def number(text):
 def figures_of(program):
     with tempfile.TemporaryDirectory() as folder:
         file = pathlib.Path(folder, "out.json")
-        subprocess.run([program, f"--gtest_output=json:{file}"], check=True, stdout=subprocess.DEVNULL,
+        subprocess.run([program, "--gtest_filter=Case*:ExportedMatrix*", f"--gtest_output=json:{file}"], check=True, stdout=subprocess.DEVNULL,
                        env={**os.environ, "PLENOFLAME_LONG_TESTS": "1"})
         suites = json.loads(file.read_text())["testsuites"]
     for suite in suites:

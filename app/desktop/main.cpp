@@ -26,7 +26,8 @@
 #include "widgets/image/light_field_panel.h"
 #include "widgets/window/main_window.h"
 
-// The linker takes this copy of the function. The copies of files with -O1 visit each pixel.
+// The destructor of pixels, whose copies in files with -O1 visit each of them: the linker takes
+// this one.
 template class std::vector<float, plenoflame::ZeroedAllocator<float>>;
 
 namespace {

@@ -332,10 +332,10 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
       value *= static_cast<float>(1 + trial.by);
 }
 
-/// Nobody asks for the resolution.
+/// The number of unknowns that are resolved, which deviations need, by few probes in short tests.
 inline ReconstructionSettings usual_settings() {
   ReconstructionSettings settings;
-  settings.probes = 0;
+  if (!in_full()) settings.probes = 4;
   return settings;
 }
 
@@ -399,11 +399,11 @@ inline void print(const std::string& what, const Errors& errors) {
               100 * errors.stated, errors.pulls, 100 * errors.covered_once, 100 * errors.covered);
 }
 
-inline void expect_true(const Totals& totals) {
+inline void expect_true(const Totals& totals, double pulls = 1.4, double covered = 0.88) {
   const Errors mean = totals.mean();
   EXPECT_GT(mean.pulls, 0.7);
-  EXPECT_LT(mean.pulls, 1.4);
-  EXPECT_GT(mean.covered, 0.88);
+  EXPECT_LT(mean.pulls, pulls);
+  EXPECT_GT(mean.covered, covered);
 }
 
 }  // namespace plenoflame::test

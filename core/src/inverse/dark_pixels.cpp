@@ -9,12 +9,14 @@ namespace plenoflame {
 namespace {
 
 /// The root of the sum of each row's squares, to a quarter: its product with random signs.
-std::vector<double> lengths_of_rows(const LinearOperator& a) {
+/// @param support 0 for columns that do not count; empty: all do
+std::vector<double> lengths_of_rows(const LinearOperator& a, const std::vector<char>& support) {
   constexpr int kSigns = 8;
   SignSequence signs(3);
   std::vector<double> squares(a.rows(), 0.0), z(a.columns());
   for (int n = 0; n < kSigns; ++n) {
     for (double& value : z) value = signs.next();
+    for (std::size_t j = 0; j < support.size(); ++j) z[j] *= support[j] != 0;
     const std::vector<double> product = a * z;
     for (std::size_t i = 0; i < squares.size(); ++i) squares[i] += product[i] * product[i] / kSigns;
   }
@@ -25,9 +27,9 @@ std::vector<double> lengths_of_rows(const LinearOperator& a) {
 }  // namespace
 
 RuledOut behind_dark(const LinearOperator& a, const CameraRays& rays, const MeasuredRows& measured,
-                     std::size_t views) {
+                     std::size_t views, const std::vector<char>& support) {
   RuledOut ruled{std::vector<char>(a.columns(), 0), std::vector<double>(a.columns(), 0.0)};
-  const std::vector<double> lengths = lengths_of_rows(a);
+  const std::vector<double> lengths = lengths_of_rows(a, support);
   std::vector<double> all(a.rows()), dark(a.rows()), noise(a.rows()), length(a.rows());
   for (std::size_t v = 0; v < views; ++v) {
     double largest = 0;

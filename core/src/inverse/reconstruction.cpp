@@ -197,7 +197,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   result.deviation = errors_of_chords(*input.unknowns, result.at_places, input.absorption);
   for (std::size_t j = 0; j < squares.size(); ++j) {
     const double drawn = factor * std::sqrt(squares[j] / settings.draws);
-    if (result.solved[j]) result.deviation[j] = std::hypot(result.deviation[j], drawn);
+    result.deviation[j] = std::hypot(result.deviation[j], drawn);
   }
 }
 
@@ -417,7 +417,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   const double rows = static_cast<double>(result.rows - result.left_out);
 
   RuledOut ruled;
-  if (settings.support) ruled = behind_dark(*a, rays, measured, views.size());
+  if (settings.support) ruled = behind_dark(*a, rays, measured, views.size(), input.support);
   std::vector<char>& empty = ruled.empty;
   empty.resize(unknowns, 0);
   ruled.hidden.resize(unknowns, 0.0);

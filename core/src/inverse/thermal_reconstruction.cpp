@@ -66,6 +66,12 @@ class ScaledDerivative final : public LinearOperator {
   void apply_transpose(std::span<const double> y, std::span<double> x) const override {
     scaled_->apply_transpose(y, x);
   }
+  void apply_together(std::span<const double> x, std::span<double> y) const override {
+    scaled_->apply_together(x, y);
+  }
+  void apply_transpose_together(std::span<const double> y, std::span<double> x) const override {
+    scaled_->apply_transpose_together(y, x);
+  }
 
  private:
   CsrMatrix<float> matrix_;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 
+#include "inverse/operators/csr_parts.h"
 #include "inverse/operators/followed_rows.h"
 #include "inverse/operators/scaled_problem.h"
 #include "plenoflame/base/available_memory.h"
+#include "plenoflame/base/execution.h"
 #include "plenoflame/inverse/reconstruction.h"
 
 namespace plenoflame {
@@ -45,10 +47,13 @@ double vector_memory(const ReconstructionSettings& settings, const Unknowns& unk
   const bool chooses = is_penalised(settings.solver) && settings.strength < 0;
   Work work = work_of(settings.solver);
   if (chooses) work.variables += kMostStrengths;
-  if (is_penalised(settings.solver) && settings.draws + settings.probes > 0)
+  if (is_penalised(settings.solver) && (chooses || settings.draws + settings.probes > 0))
     work = {std::max(work.variables, kDraws.variables), kDraws.penalty, kDraws.rows};
-  // A^T adds up parts of rows that are followed again, whose number is fixed.
-  const double parts = settings.memory > 0 ? 0 : kFollowedParts;
+  // A^T adds up parts of rows that are followed again, whose number is fixed, or of as many as
+  // threads.
+  const double sums = static_cast<double>(
+      kTogether * std::min(kMostRowRanges, static_cast<std::size_t>(Execution{}.thread_count())));
+  const double parts = settings.memory > 0 ? sums : kFollowedParts;
   const double for_variable =
       kCommon + work.variables + parts + work.penalty * penalty_rows(settings, unknowns);
   return sizeof(double) *

@@ -9,6 +9,8 @@
 #include "inverse/operators/csr_parts.h"
 #include "inverse/operators/followed_rows.h"
 #include "inverse/operators/own_rows.h"
+#include "inverse/operators/remembered_product.h"
+#include "inverse/operators/scaled_problem.h"
 #include "inverse/operators/stacked_operator.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/image/atomic_file.h"
@@ -56,16 +58,19 @@ TEST(CsrMatrix, TimesVectorsTogetherIsOneByOne) {
     const TwinMatrix a = random_matrix(rows, 200, 0.5, 4);
     const auto sparse = make_csr_operator(a.sparse, threads(2));
     const std::vector<double> weights = random_vector(rows, 0, 1, 9);
-    const StackedOperator of_csr({sparse.get(), weights, weights}, {});
-    const auto x = random_vector(200 * kTogether, -1, 1, 5),
-               y = random_vector(rows * kTogether, -1, 1, 6);
+    const RememberedProduct plain(*sparse);
+    const ScaledColumns scaled(*sparse, random_vector(200, 0, 1, 8));
+    const StackedOperator stacked({&scaled, weights, weights}, {&plain, 0.3});
+    const auto x = random_vector(200 * kTogether, -1, 1, 5);
     const auto one = [](const std::vector<double>& all, std::size_t c) {
       std::vector<double> part;
       for (std::size_t n = c; n < all.size(); n += kTogether) part.push_back(all[n]);
       return part;
     };
     for (const LinearOperator* k : {static_cast<const LinearOperator*>(sparse.get()),
-                                    static_cast<const LinearOperator*>(&of_csr)}) {
+                                    static_cast<const LinearOperator*>(&plain),
+                                    static_cast<const LinearOperator*>(&stacked)}) {
+      const auto y = random_vector(k->rows() * kTogether, -1, 1, 6);
       std::vector<double> forward(y.size()), back(x.size());
       k->apply_together(x, forward);
       k->apply_transpose_together(y, back);

@@ -86,7 +86,7 @@ void hide_unknown(std::vector<double>& values, const std::vector<double>& found,
                   const std::vector<double>& deviation) {
   constexpr double kHardlyKnown = 0.5;
   for (std::size_t j = 0; j < deviation.size(); ++j)
-    if (deviation[j] > kHardlyKnown * found[j]) values[j] = kNaN;
+    if (found[j] > 0 && deviation[j] > kHardlyKnown * found[j]) values[j] = kNaN;
 }
 
 std::array<double, 2> range_of(const std::vector<double>& values) {

@@ -1,5 +1,6 @@
 #include "plenoflame/inverse/linear_operator.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -16,8 +17,15 @@ template <class Product>
 void one_by_one(std::span<const double> from, std::span<double> to, const Product& product) {
   std::vector<double> one(from.size() / kTogether), result(to.size() / kTogether);
   for (std::size_t c = 0; c < kTogether; ++c) {
-    for (std::size_t j = 0; j < one.size(); ++j) one[j] = from[j * kTogether + c];
-    product(one, result);
+    bool is_zero = true;
+    for (std::size_t j = 0; j < one.size(); ++j) {
+      one[j] = from[j * kTogether + c];
+      is_zero &= one[j] == 0;
+    }
+    if (is_zero)
+      std::ranges::fill(result, 0.0);
+    else
+      product(one, result);
     for (std::size_t i = 0; i < result.size(); ++i) to[i * kTogether + c] = result[i];
   }
 }

@@ -115,13 +115,14 @@ std::vector<double> solve_together(const LinearOperator& k, std::vector<double> 
     }
     if (std::ranges::all_of(ended, [](bool each) { return each; })) break;
     for (std::size_t n = 0; n < p.size(); n += kTogether)
-      for (std::size_t c = 0; c < kTogether; ++c) p[n + c] = s[n + c] + ratio[c] * p[n + c];
+      for (std::size_t c = 0; c < kTogether; ++c)
+        p[n + c] = ended[c] ? 0 : s[n + c] + ratio[c] * p[n + c];
     gamma = next;
   }
   return x;
 }
 
-/// Solves for `count` right-hand sides, some at a time. make(r) fills one; use(x) takes its
+/// Solves for `count` right-hand sides, some at a time. make() gives one; use(x) takes its
 /// solution.
 void solve_each(const LinearOperator& k, int count,
                 const std::function<std::vector<double>()>& make,
