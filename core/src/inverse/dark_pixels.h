@@ -15,8 +15,8 @@ struct RuledOut {
   std::vector<double> hidden;
 };
 
-/// Unknowns with a large part of their light in dark pixels of some view. Of several such views,
-/// the one counts that hides least.
+/// Unknowns with a large part of their light in dark pixels of some view; of several, the view that
+/// hides least counts.
 /// @param support 0 for unknowns without light; empty: none is known
 RuledOut behind_dark(const LinearOperator& a, const CameraRays& rays, const MeasuredRows& measured,
                      std::size_t views, const std::vector<char>& support);
