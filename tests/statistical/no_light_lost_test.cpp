@@ -19,7 +19,7 @@ namespace {
 const long kFluxRays = in_full() ? 32'000'000 : 800'000,
            kDiscRays = in_full() ? 4'000'000 : 320'000, kPixelRays = in_full() ? 1'600'000 : 80'000;
 
-/// Of the sensor's half diagonal.
+/// The fields that are looked at, as shares of the sensor's half diagonal.
 std::vector<double> fields() {
   return in_full() ? std::vector{0.0, 0.3, 0.6, 0.8, 1.0} : std::vector{0.0, 1.0};
 }

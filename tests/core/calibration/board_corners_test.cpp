@@ -160,7 +160,7 @@ void expect_found(const Picture& picture, const BoardCorners& found, double rms)
   }
 }
 
-/// Where the first corner of a board is found, over the micro-images that show it.
+/// The place of a board's first corner: the mean over the micro-images that show it [pixel].
 Vec2 first_corner(const BoardCorners& board) {
   Vec2 sum;
   double count = 0;
