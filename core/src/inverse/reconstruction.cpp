@@ -423,6 +423,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   ruled.hidden.resize(unknowns, 0.0);
   for (std::size_t j = 0; j < input.support.size(); ++j)
     if (input.support[j] == 0) empty[j] = 1, ruled.hidden[j] = 0;
+  result.hidden = std::move(ruled.hidden);
   const std::vector<double> scale = scales(*a, b, weight, empty, result);
   for (const double s : scale) result.solved.push_back(s > 0);
 
@@ -517,7 +518,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
         }
         add_uncertainty(*weighted, input, settings, b, watch, result);
         for (std::size_t j = 0; j < result.deviation.size(); ++j)
-          if (ruled.empty[j]) result.deviation[j] = ruled.hidden[j];
+          if (ruled.empty[j]) result.deviation[j] = result.hidden[j];
         add_spreads(input, *weighted, settings, b, watch.inner(), result);
         if (settings.test_model) {
           std::vector<double> left = b;

@@ -163,6 +163,7 @@ class ThermalSolver {
     figures.rays_error = start.rays_error;
     figures.unseen = start.unseen;
     figures.solved = start.solved;
+    hidden_ = start.hidden;
     figures.model = RowModel::source;
   }
 
@@ -469,6 +470,24 @@ class ThermalSolver {
         estimate.absorption_deviation.push_back(
             kappa * std::hypot(wider * std::sqrt(absorption[j]), std::min(relative, 1.0)));
     }
+    add_hidden();
+  }
+
+  /// Places behind dark pixels, which do not shine in the estimate, may do so by what noise hides.
+  void add_hidden() {
+    FlameEstimate& estimate = result_.estimate;
+    const SourceFunction& source = input_.channels[0].source;
+    for (std::size_t j = 0; j < hidden_.size(); ++j) {
+      const double hidden = hidden_[j], t = estimate.temperature[j];
+      if (!(hidden > 0)) continue;
+      if (thick()) {
+        estimate.emission_deviation[j] = hidden;
+        estimate.absorption_deviation[j] = hidden / source(t);
+      } else if (estimate.absorption[j] > 0) {
+        estimate.emission_deviation[j] = estimate.absorption[j] * hidden;
+        estimate.temperature_deviation[j] = temperature_deviation(t, hidden, source);
+      }
+    }
   }
 
   /// [K] Error of the temperatures, found less true, if the true absorption is larger by its error.
@@ -527,6 +546,7 @@ class ThermalSolver {
   std::vector<double> b_, weights_;
   std::vector<double> x_, lower_, upper_, scale_;  // variables in their units
   std::vector<char> smooth_;                       // temperatures that take part in the penalty
+  std::vector<double> hidden_;                     // ThermalStart's
   struct Fluxes {
     std::vector<double> x, fluxes;
   };

@@ -154,6 +154,7 @@ ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& set
       linear_stage(input, settings, one, true, part_of_progress(execution, 0, 0.5 * share));
   start.complete = first.complete;
   start.solved = first.solved;
+  start.hidden = first.hidden;
   start.rays_error = first.rays_error;
   start.unseen = first.unseen;
   start.strength = first.strength;
@@ -212,6 +213,10 @@ ThermalStart thermal_start(const ThermalInput& input, const ThermalSettings& set
     start.reached = std::move(first);
     return start;
   }
+  if (input.absorption.empty())
+    for (std::size_t j = 0; j < n; ++j)
+      start.hidden[j] *= input.channels[0].source(start.temperature[j]) /
+                         (one.absorption_ratio * source(start.temperature[j]));
   return bounded(std::move(start), settings);
 }
 

@@ -12,8 +12,11 @@ namespace plenoflame {
 struct ThermalStart {
   std::vector<double> temperature, absorption;
   std::vector<char> solved;  ///< 0: known to be empty
-  RayError rays_error;       ///< of the first channel's rows
-  std::size_t unseen = 0;    ///< unknowns that no ray meets
+  /// Reconstruction::hidden of the first channel's light. Empty: there was no linear
+  /// reconstruction.
+  std::vector<double> hidden = {};
+  RayError rays_error;     ///< of the first channel's rows
+  std::size_t unseen = 0;  ///< unknowns that no ray meets
   /// The first linear reconstruction's; negative and empty: there was none.
   double strength = -1;
   std::vector<double> light_outside = {};

@@ -238,6 +238,53 @@ TEST(ThermalReconstruction, DeviationsHoldTheScatterOfRepeatedMeasurements) {
   EXPECT_LT(stated.figures.resolved_unknowns, 2.0 * static_cast<double>(n));
 }
 
+// Around the flame there is a wide glow below the noise: of cold places where the absorption is
+// known, else of thin ones. Its pixels are dark, and the deviations hold its light.
+TEST(ThermalReconstruction, DeviationsOfDarkPlacesHoldTheirLight) {
+  for (const bool known : {true, false}) {
+    SCOPED_TRACE(known);
+    RoundFlame flame(60);
+    RingGrid wide;
+    wide.base = {1, 0, -6e-3};
+    wide.radial_step = 0.5e-3;
+    wide.height_step = 1.7e-3;
+    wide.rings = 14;
+    wide.heights = RoundFlame::kHeights;
+    flame.unknowns = make_ring_unknowns(wide);
+    const std::size_t lit = flame.temperature.size(), all = flame.unknowns->size();
+    flame.temperature.resize(all, known ? 1330 : 1500);
+    flame.absorption.resize(all, known ? 20 : 3);
+    flame.settings.linear.support = true;
+    flame.settings.linear.draws = 2;
+    flame.settings.linear.strength = 1e-3;
+    ThermalInput input = flame.input(0.01);
+    if (known) {
+      input.channels.resize(1);
+      input.absorption = flame.absorption;
+    }
+    const ThermalReconstruction found = reconstruct_thermal(input, flame.settings);
+    const FlameEstimate& estimate = found.estimate;
+    double dark = 0, emission = 0, other = 0;
+    for (std::size_t j = lit; j < all; ++j) {
+      if (found.figures.solved[j]) continue;
+      ++dark;
+      const double true_light =
+          flame.absorption[j] * input.channels[0].source(flame.temperature[j]);
+      emission += std::pow((true_light - estimate.emission[j]) / estimate.emission_deviation[j], 2);
+      other += known ? std::pow((flame.temperature[j] - estimate.temperature[j]) /
+                                    estimate.temperature_deviation[j],
+                                2)
+                     : std::pow((flame.absorption[j] - estimate.absorption[j]) /
+                                    estimate.absorption_deviation[j],
+                                2);
+    }
+    EXPECT_GT(dark, 5);
+    EXPECT_LT(emission, dark);
+    EXPECT_GT(emission, 0.05 * 0.05 * dark);
+    EXPECT_LT(other, dark);
+  }
+}
+
 /// Stops when a part of the work is done.
 ThermalReconstruction stopped_at(const ThermalInput& input, const ThermalSettings& settings,
                                  double fraction) {

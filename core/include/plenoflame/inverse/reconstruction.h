@@ -146,6 +146,9 @@ struct Reconstruction {
   std::optional<PosteriorChain> chain;
 
   std::vector<char> solved;  ///< 0: the unknown was known to be empty
+  /// Standard deviation of the light that noise hides in each unknown that dark pixels rule out; 0
+  /// in the others.
+  std::vector<double> hidden;
 
   std::size_t rows = 0, left_out = 0;  ///< rows of A; rows among them without a usable pixel
   std::size_t rays = 0;
