@@ -14,8 +14,10 @@
 #include "plenoflame/volumes/grid_file.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "setting_tuples.h"
 #include "values.h"
 #include "voxels.h"
+#include "vtk_commands.h"
 
 namespace plenoflame::python {
 namespace {
@@ -141,6 +143,40 @@ void bind_voxels(py::module_& module) {
       .def_property_readonly("directions", [](const Voxels& v) { return v.place.direction; });
 }
 
+/// The properties of vtkPlenoflameFlameImport.
+py::dict properties_of(const FlameImportRequest& r) {
+  py::dict all;
+  if (!r.solution.empty()) all["SolutionFileName"] = r.solution;
+  all["TemperatureArray"] = r.temperature;
+  all["TemperatureUnit"] = r.temperature_unit;
+  all["TemperatureScale"] = r.temperature_scale;
+  all["AbsorptionArray"] = r.absorption;
+  all["AbsorptionUnit"] = r.absorption_unit;
+  all["SootArray"] = r.soot;
+  all["SootFunction"] = r.soot_function;
+  all["Wavelength"] = r.wavelength;
+  all["ConstantAbsorption"] = r.constant;
+  all["VoxelSize"] = r.voxel_size;
+  all["Bounds"] = r.bounds;
+  all["LengthScale"] = r.length_scale;
+  return all;
+}
+
+void bind_import(py::module_& module) {
+  using R = FlameImportRequest;
+  py::class_<R>(module, "FlameImport")
+      .def(py::init<>())
+      .def("set_option", [](R& r, const std::string& setting,
+                            const std::string& text) { set_setting(r, kNames, setting, text); })
+      .def_static("settings",
+                  [] {
+                    py::list list;
+                    add_settings<R>(list);
+                    return list;
+                  })
+      .def_property_readonly("properties", &properties_of);
+}
+
 std::string generators_json() {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const plenoflame::FlameGenerator& generator : flame_generators()) {
@@ -160,6 +196,7 @@ std::string generators_json() {
 
 void bind_flames(py::module_& module) {
   bind_voxels(module);
+  bind_import(module);
   module.def("flame_generators", &generators_json);
   py::class_<FlameGenerator, Runnable>(module, "FlameGenerator")
       .def(py::init<>())

@@ -13,6 +13,8 @@
 #include "plenoflame/scene/validate.h"
 #include "runnable.h"
 #include "scene_handle.h"
+#include "setting_tuples.h"
+#include "sweep_request.h"
 #include "voxels.h"
 
 namespace plenoflame::python {
@@ -49,6 +51,45 @@ py::list schema() {
   for (const SchemaKey& key : schema_keys())
     keys.append(py::make_tuple(key.path, key.description, si_unit(key.dimension), range_text(key)));
   return keys;
+}
+
+/// The runs that a request asks for.
+struct Sweep {
+  SweepRequest request;
+  SweepRuns runs;
+
+  const SweepRun& values(std::size_t run) const { return runs.values.at(run); }
+};
+
+void bind_sweep(py::module_& module) {
+  py::class_<Sweep>(module, "Sweep")
+      .def(py::init([] {
+        return Sweep{{.names = kNames}, {}};
+      }))
+      .def("set_option",
+           [](Sweep& s, const std::string& setting, const std::string& text) {
+             set_setting(s.request, kNames, setting, text);
+           })
+      .def_static("settings",
+                  [] {
+                    py::list list;
+                    add_settings<SweepRequest>(list);
+                    return list;
+                  })
+      .def("draw", [](Sweep& s) { s.runs = runs_of(s.request); })
+      .def("__len__", [](const Sweep& s) { return s.runs.values.size(); })
+      .def("run",
+           [](const Sweep& s, std::size_t run) {
+             py::list values;
+             for (const SweepValue& value : s.values(run))
+               values.append(py::make_tuple(value.key, value.value));
+             return py::make_tuple(values, py::bool_(s.runs.test.at(run)),
+                                   seed_of_run(*s.request.seed, static_cast<int>(run)));
+           })
+      .def("refuse",
+           [](const Sweep& s, std::size_t run, std::size_t place, const std::string& why) {
+             throw InputError(s.values(run).at(place).position, why);
+           });
 }
 
 }  // namespace
@@ -91,6 +132,7 @@ void bind_scene(py::module_& module) {
         return names;
       });
   module.def("schema", &schema);
+  bind_sweep(module);
 }
 
 }  // namespace plenoflame::python

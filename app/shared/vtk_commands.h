@@ -1,11 +1,13 @@
 #pragma once
 #include <array>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "plenoflame/base/execution.h"
 #include "plenoflame/scene/scene.h"
+#include "settings.h"
 
 /// Commands that need VTK. Their library is loaded when one of them is called. Linked to the
 /// command, VTK's hundred libraries would slow down the start of all others.
@@ -46,6 +48,9 @@ struct FlameImportRequest {
   int step = -1;                   ///< -1: all of them
   bool half = false;
 };
+
+template <>
+std::span<const SettingRow<FlameImportRequest>> setting_rows();
 
 /// An array of a simulation's result: a number for each cell or point.
 struct SimulationArray {

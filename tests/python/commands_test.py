@@ -3,6 +3,7 @@ files."""
 
 import csv
 import inspect
+import json
 import re
 import sys
 
@@ -43,6 +44,41 @@ class Commands(PackageTest):
                 for part in name.split("."):
                     thing = getattr(thing, part, None)
                 self.assertTrue(callable(thing), f"{command}: {name}")
+
+    def test_sweep_is_that_of_files(self):
+        """The same values, choice and pictures, of drawn runs and of flames that are generated."""
+        (self.folder / "a.toml").write_text('[camera]\npreset = "paper-plenoptic2"\n[[flames]]\nkind = "vdb"\nfile = "a.vdb"\n'
+                                            'position = ["1 m", "0 m", "-29 mm"]\n')
+        (self.folder / "rules.toml").write_text('runs = 3\n[[random]]\nkey = "flames[0].brightness"\nuniform = [0.5, 2]\n'
+                                                '[[random]]\nkey = "flames[0].generator"\nvalue = "candle"\n'
+                                                '[[random]]\nkey = "flames[0].generator.voxel_size"\nvalue = "1 mm"\n'
+                                                '[[random]]\nkey = "flames[0].generator.height"\nuniform = ["30 mm", "50 mm"]\n')
+        self.command("sweep", "a.toml", "--random", "rules.toml", "--test-share", "34%", "--seed", "7", "-o", "set", "--samples", "4",
+                     "--window", "1500,1500,32,32")
+        runs = plenoflame.Scene(self.folder / "a.toml").sweep(random=self.folder / "rules.toml", test_share=0.34, seed=7)
+        self.assertEqual(len(runs), 3)
+        self.assertEqual([run.number for run in runs[1:]], [1, 2])
+        for run in runs:
+            record = json.loads((self.folder / f"set/runs/{run.number:06}.json").read_text())
+            self.assertEqual((run.values, run.seed, "test" if run.test else "train"), (record["values"], record["seed"], record["split"]))
+            light = run.scene.render(samples=4, seed=run.seed, window=(1500, 1500, 32, 32))
+            expected = plenoflame.read_light_field(self.folder / f"set/runs/{run.number:06}.exr")
+            self.assertGreater(numpy.asarray(light).max(), 0)
+            numpy.testing.assert_array_equal(light.flux, expected.flux)
+
+    def test_sweep_refuses_with_the_place(self):
+        scene = self.scene(48)
+        (self.folder / "bad.csv").write_text("flames[0].brightness\n1\nloud\n")
+        runs = scene.sweep(table=self.folder / "bad.csv")
+        self.assertEqual(runs[0].scene["flames[0].brightness"], 1)
+        with self.assertRaisesRegex(plenoflame.Error, r"bad\.csv:3:1: .*loud"):
+            runs[-1]
+        with self.assertRaisesRegex(plenoflame.Error, "give table='RUNS.csv' or random='RULES.toml'"):
+            scene.sweep()
+        with self.assertRaisesRegex(plenoflame.Error, "test_share must be a share .* not '2'"):
+            scene.sweep(table=self.folder / "bad.csv", test_share=2)
+        with self.assertRaises(IndexError):
+            runs[2]
 
     def test_merge_is_that_of_files(self):
         scene = self.scene(48)

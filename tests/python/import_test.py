@@ -238,7 +238,7 @@ class Import(PackageTest):
         (self.folder / "broken.vtu").write_text("<VTKFile")
         self.fails("broken.vtu", self.folder / "broken.vtu", constant=1)
         self.fails("no AMReX plotfile", self.folder, constant=1)
-        self.fails("unit of temperature 'F'", path, constant=1, temperature_unit="F")
+        self.fails("temperature_unit: 'F'", path, constant=1, temperature_unit="F")
         self.fails("leave nothing", path, constant=1, bounds=(1, 2, 1, 2, 1, 2))
         self.fails("more than 1e9", path, constant=1, voxel_size=1e-6)
 

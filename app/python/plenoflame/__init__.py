@@ -38,10 +38,11 @@ from .ray_blocks import RayBlock
 from .rays import Rays
 from .reconstruction import Reconstruction, reconstruct
 from .scene import Optimized, Scene
+from .sweep import Sweep, SweepRun
 
 __all__ = ["Boards", "Corners", "Error", "Export", "Flame", "FocusStack", "Frames", "Geometry", "Imported", "ImportedCamera",
            "LightField", "MicroImages", "Optimized", "Projections", "Quantity", "Radiometry", "RayBlock", "Rays",
-           "Reconstruction", "Refocused", "Rig", "Scene", "Temperatures", "Truth", "Views", "White", "__version__",
+           "Reconstruction", "Refocused", "Rig", "Scene", "Sweep", "SweepRun", "Temperatures", "Truth", "Views", "White", "__version__",
            "calibrate_corners", "calibrate_geometry", "calibrate_radiometry", "calibrate_rig", "calibrate_white",
            "export_formats", "flame_arrays", "flame_from_arrays", "flame_generators", "import_camera", "import_flame",
            "import_raw", "make_flame", "merge", "picture", "read_flame", "read_light_field", "reconstruct", "write_flame"]

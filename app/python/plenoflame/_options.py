@@ -104,7 +104,7 @@ def _text(name, value, kind):
         return lengths(value)
     if kind == _Kind.sides and not isinstance(value, str):
         return "x".join(map(str, _check.several(name, value, 2, "two whole numbers")))
-    if name == "absorption" and not isinstance(value, str):
+    if name in ("absorption", "constant") and not isinstance(value, str):
         return lengths(value, "1/m")
     return words(value)
 

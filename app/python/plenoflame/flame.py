@@ -11,6 +11,7 @@ import numpy
 
 from . import _check, _core, _home
 from ._arguments import refusal
+from ._options import Settings
 from ._run import Error, made, need_vtk, update
 
 
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from typing import Any, Sequence
 
     from ._types import Array, Path, Progress
+
+
+_IMPORT = Settings(_core.FlameImport.settings())
 
 
 class Flame(_home.AtHome):
@@ -205,36 +209,23 @@ def read_flame(path: Path, *, grid: str = "") -> Flame:
     return Flame(update(made(_core.FlameReader, path=os.fspath(path), grid=grid)).output)
 
 
-def import_flame(path: Path, *, temperature: str = "T", temperature_unit: str = "K", absorption: str = "",
-                 absorption_unit: str = "1/m", soot: str = "", soot_function: float = 0.26, wavelength: float = 6.5e-07,
-                 constant: float = 0.0, voxel_size: float = 0.0, bounds: Sequence[float] | None = None, length_scale: float = 1.0,
-                 step: int = 0, solution: Path | None = None, progress: Progress | None = None) -> Flame:
+@_IMPORT.arguments_of
+def import_flame(path: Path, *, step: int = 0, progress: Progress | None = None, **settings: Any) -> Flame:
     """A flame from a simulation's file, on voxels: a Flame. Needs VTK.
 
-    temperature: its array; absorption (array), soot (array of volume fraction) or constant [1/m]: exactly one of them
-    voxel_size: [m], 0: a 128th of the longest side; bounds: (x low, x high, y low, ...) [m]
-    length_scale: metre per unit of the mesh; step: of a series of times; solution: the .q of a PLOT3D grid
-    progress: True for a bar, or a function that is called with the fraction done
+    {settings}
+    step: of a series of times
 
+    Exactly one of absorption, soot and constant is given. Lengths are in metres and constant in 1/m, or texts with units.
     Raises Error.
     """
+    request = _core.FlameImport()
+    _IMPORT.set(request, settings)
     source = need_vtk("import_flame()").vtkPlenoflameFlameImport()
     source.SetFileName(os.fspath(path))
-    if solution is not None:
-        source.SetSolutionFileName(os.fspath(solution))
-    source.SetTemperatureArray(temperature)
-    source.SetTemperatureUnit(temperature_unit)
-    source.SetAbsorptionArray(absorption)
-    source.SetAbsorptionUnit(absorption_unit)
-    source.SetSootArray(soot)
-    source.SetSootFunction(soot_function)
-    source.SetWavelength(wavelength)
-    source.SetConstantAbsorption(constant)
-    source.SetVoxelSize(voxel_size)
-    if bounds is not None:
-        source.SetBounds(*bounds)
-    source.SetLengthScale(length_scale)
     source.SetTimeStep(step)
+    for name, value in request.properties.items():
+        getattr(source, "Set" + name)(value)
     return Flame.from_vtk(update(source, progress, "import", _run_import).GetOutput())
 
 

@@ -16,6 +16,7 @@ from .light_field import LightField
 from .measurements import corners_of
 from .ray_blocks import ray_blocks
 from .rays import Rays
+from .sweep import SETTINGS as SWEEP, Sweep
 
 
 if TYPE_CHECKING:
@@ -286,6 +287,15 @@ class Scene(_home.Shown):
             raise
         self._images[name] = (flame, ambient)
 
+    def _keep_flame(self, flame, path):
+        """A flame of kind "vdb" is one in memory."""
+        name = f"memory:{len(self._images)}"
+        ambient = 293.15
+        with errors_of(self._scene):
+            self._scene.set_flame(name, voxels_of(flame), ambient)
+        self[f"{path}.file"] = name
+        self._images[name] = (flame, ambient)
+
     def check(self) -> None:
         """Checks that the values go together. Raises Error for what is impossible, warns about what is probably not
         meant."""
@@ -467,6 +477,19 @@ class Scene(_home.Shown):
         except ImportError as error:  # SciPy is needed for nothing else
             raise Error(f"operator() needs SciPy (Debian's python3-scipy, or pip install scipy): {error}") from None
         return make_operator(self, OPERATOR, settings, threads, progress)
+
+    @SWEEP.arguments_of
+    def sweep(self, **settings: Any) -> Sweep:
+        """The runs of `plenoflame sweep`, a sequence of SweepRun:
+
+            for run in scene.sweep(random="rules.toml", runs=100):
+                picture = run.scene.render(samples=16, seed=run.seed)
+
+        {settings}
+
+        Raises Error.
+        """
+        return Sweep(self, settings)
 
     def camera(self, **settings: Any) -> Any:
         """The camera's geometry as a vtkMultiBlockDataSet: vtkPlenoflameCameraSource, with its properties set by name,

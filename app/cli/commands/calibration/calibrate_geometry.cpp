@@ -5,7 +5,7 @@
 #include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "outputs.h"

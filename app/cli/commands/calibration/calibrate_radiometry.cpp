@@ -4,7 +4,7 @@
 #include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "outputs.h"
 #include "plenoflame/image/atomic_file.h"

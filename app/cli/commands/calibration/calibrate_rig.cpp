@@ -3,7 +3,7 @@
 
 #include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "outputs.h"

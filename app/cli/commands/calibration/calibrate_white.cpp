@@ -6,7 +6,7 @@
 #include "commands/calibration/calibrate.h"
 #include "commands/calibration/calibration_options.h"
 #include "commands/calibration/white_picture.h"
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "file_set.h"
 #include "messages.h"

@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "messages.h"
 

@@ -8,7 +8,7 @@
 #include "commands/calibration/calibration_options.h"
 #include "commands/commands.h"
 #include "commands/moment_options.h"
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "commands/settings_file.h"
 #include "file_set.h"

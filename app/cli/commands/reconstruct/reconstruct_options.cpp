@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "commands/settings_file.h"
 #include "options.h"

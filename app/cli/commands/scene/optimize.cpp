@@ -4,7 +4,7 @@
 #include "camera_optimizer.h"
 #include "commands/add_option.h"
 #include "commands/commands.h"
-#include "commands/reconstruct/setting_options.h"
+#include "commands/setting_options.h"
 #include "commands/scene_input.h"
 #include "messages.h"
 #include "outputs.h"

@@ -5,6 +5,7 @@
 #include "commands/part_option.h"
 #include "commands/scene_input.h"
 #include "commands/series/sweep_plan.h"
+#include "commands/setting_options.h"
 #include "commands/settings_file.h"
 #include "outputs.h"
 
@@ -15,11 +16,7 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments,
   RenderArguments& render = arguments.render;
   RenderOptions& options = render.options;
   add_inputs(command, file, "SCENE", options.scene, "Scene file (.toml)");
-  add_option(command, "--table", arguments.table, "FILE",
-             "Table of the runs (.csv): keys of the scene in the header, one run per row");
-  add_option(command, "--random", arguments.random, "FILE",
-             "Rules for random values (.toml): [[random]] tables");
-  add_option(command, "--runs", arguments.runs, "N", "Number of runs to draw");
+  add_settings<SweepRequest>(command, arguments.sweep);
   add_option(command, "-o,--output", arguments.output, "DIR",
              "Folder of the data set; an unfinished one is continued")
       ->check(written())
@@ -33,9 +30,6 @@ void add_sweep_options(CLI::App& command, SweepArguments& arguments,
              "Save true temperature, absorption and emission lines on NX x NY x NZ cells");
   add_option(command, "--region", arguments.region, "X,Y,Z:X,Y,Z",
              "Box of the lattice, two corners (around the scene's flames)");
-  add_option(command, "--test-share", arguments.test_share, "SHARE",
-             "Share of the runs for testing, e.g. 20% (0)");
-  add_option(command, "--seed", arguments.seed, "N", "Seed of the sweep (1)");
   add_part_option(command, arguments.part,
                   "Make only part K of N, in DIR-part-K-of-N; 'plenoflame merge' joins them to "
                   "exactly the whole set");

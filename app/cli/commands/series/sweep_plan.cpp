@@ -106,26 +106,6 @@ TruthLattice lattice_of(const SweepArguments& arguments, const RenderOptions& op
   return lattice;
 }
 
-std::vector<SweepRun> runs_of(const SweepArguments& arguments, std::uint64_t seed) {
-  if (arguments.table.empty() == arguments.random.empty())
-    throw UsageError("the runs are missing; give --table RUNS.csv or --random RULES.toml");
-  if (!arguments.table.empty()) {
-    if (!arguments.runs.empty())
-      throw UsageError("--runs cannot be used with --table, which has one run per row");
-    return read_sweep_table(read_text_file(arguments.table), arguments.table);
-  }
-  const SweepRules rules(read_text_file(arguments.random), arguments.random);
-  if (arguments.runs.empty() && !rules.runs())
-    throw UsageError("the number of runs is missing; give --runs N, or runs = N in " +
-                     arguments.random);
-  const int count = arguments.runs.empty()
-                        ? *rules.runs()
-                        : whole_number_option("--runs", arguments.runs, 1, kMostRuns);
-  std::vector<SweepRun> runs;
-  for (int run = 0; run < count; ++run) runs.push_back(rules.draw(seed, run));
-  return runs;
-}
-
 nlohmann::ordered_json plan_text(const SweepPlan& plan, const SceneDocument& document) {
   const SweepArguments& a = plan.arguments;
   nlohmann::ordered_json json;
@@ -133,8 +113,8 @@ nlohmann::ordered_json plan_text(const SweepPlan& plan, const SceneDocument& doc
   json["version"] = version();
   json["part"] = to_string(plan.part);
   json["runs"] = plan.runs.size();
-  json["seed"] = plan.seed;
-  json["test_share"] = a.test_share.empty() ? "0" : a.test_share;
+  json["seed"] = plan.seed();
+  json["test_share"] = a.sweep.test_share;
   json["samples"] = a.render.samples;
   json["target_error"] = a.render.target_error;
   json["estimator"] = a.render.estimator;
@@ -147,7 +127,8 @@ nlohmann::ordered_json plan_text(const SweepPlan& plan, const SceneDocument& doc
                        {"lower_m", {box.lower.x, box.lower.y, box.lower.z}},
                        {"upper_m", {box.upper.x, box.upper.y, box.upper.z}}};
   }
-  json[a.table.empty() ? "rules" : "table"] = read_file(a.table.empty() ? a.random : a.table);
+  const bool drawn = a.sweep.table.empty();
+  json[drawn ? "rules" : "table"] = read_file(drawn ? a.sweep.random : a.sweep.table);
   json["scene"] = write_scene(document.scene);
   json["files"] = nlohmann::json::array();
   for (const InputFile& file : input_files(document.scene))
@@ -236,7 +217,7 @@ std::string run_name(int run) {
 
 void throw_of_run(const SweepPlan& plan, int run, const std::string& message) {
   const SweepRun& values = plan.runs[static_cast<std::size_t>(run)];
-  const std::string which = plan.arguments.table.empty() ? fmt::format("run {}: ", run) : "";
+  const std::string which = plan.arguments.sweep.table.empty() ? fmt::format("run {}: ", run) : "";
   std::string text = message;
   if (text.starts_with("--set ")) text.erase(0, 6);
   for (const SweepValue& value : values)
@@ -280,7 +261,7 @@ RenderOptions SweepPlan::options_of(int run) const {
   RenderOptions one = options;
   one.set = settings(run).set;
   one.output = folder + "/runs/" + run_name(run) + ".exr";
-  one.seed = seed_of_run(seed, run);
+  one.seed = seed_of_run(seed(), run);
   return one;
 }
 
@@ -292,24 +273,17 @@ SweepPlan plan_sweep(const SweepArguments& arguments, const Execution& execution
   render.options.output = "run.exr";
   plan.options = checked_options(render);
   plan.options.output_given = false;
-  if (!arguments.seed.empty())
-    plan.seed = whole_number_option<std::uint64_t>("--seed", arguments.seed, 0);
   if (!arguments.part.empty()) plan.part = part_option("--part", arguments.part);
   plan.folder = arguments.output;
   while (plan.folder.size() > 1 && plan.folder.back() == '/') plan.folder.pop_back();
   if (!plan.part.is_whole()) plan.folder += "-" + part_ending(plan.part);
-  plan.runs = runs_of(arguments, plan.seed);
+  SweepRuns drawn = runs_of(arguments.sweep);
+  plan.runs = std::move(drawn.values);
+  plan.test = std::move(drawn.test);
   const int count = static_cast<int>(plan.runs.size());
   if (plan.part.count > count)
     throw UsageError(
         fmt::format("--part: there are {} runs, fewer than {} parts", count, plan.part.count));
-  double share = 0;
-  if (!arguments.test_share.empty())
-    share = quantity_option("--test-share", arguments.test_share, Dimension::none);
-  if (!(share >= 0 && share < 1))
-    throw UsageError("--test-share must be a share from 0 % to below 100 %, e.g. 20%, not '" +
-                     arguments.test_share + "'");
-  plan.test = choose_test_runs(plan.seed, count, share);
   const SceneDocument document = read_scene(plan.options.scene, plan.options.set);
   if (runs == RunsAre::unchecked) check_runs(plan, execution);
   if (!arguments.lattice.empty())

@@ -11,7 +11,7 @@
 #include "plenoflame/base/execution.h"
 #include "plenoflame/base/part.h"
 #include "plenoflame/math/vector.h"
-#include "plenoflame/scene/sweep.h"
+#include "sweep_request.h"
 
 namespace CLI {
 class App;
@@ -24,7 +24,8 @@ struct FileOption;
 /// The command line of `sweep`.
 struct SweepArguments {
   RenderArguments render;  ///< scene, --set, --camera, --samples, --window, --threads, ...
-  std::string table, random, output, format = "exr", runs, test_share, lattice, region, part, seed;
+  SweepRequest sweep;
+  std::string output, format = "exr", lattice, region, part;
 };
 
 /// Adds the options of `sweep` to its command.
@@ -54,12 +55,12 @@ struct SweepPlan {
   RenderOptions options;  ///< of every run, before its own values
   std::vector<SweepRun> runs;
   std::vector<bool> test;
-  std::uint64_t seed = 1;
   Part part;
   std::optional<TruthLattice> lattice;
   std::string folder;           ///< with the part's ending
   nlohmann::ordered_json text;  ///< sweep.json: equal plans make equal files
 
+  std::uint64_t seed() const { return *arguments.sweep.seed; }
   bool is_mine(int run) const { return run % part.count == part.number - 1; }
   bool packs() const { return arguments.format == "hdf5"; }
   RunSettings settings(int run) const;

@@ -47,16 +47,11 @@ void visit_arguments(SweepArguments& a, Visitor visit) {
   visit("samples", a.render.samples);
   visit("target_error", a.render.target_error);
   visit("window", a.render.window);
-  visit("table", a.table);
-  visit("random", a.random);
   visit("output", a.output);
   visit("format", a.format);
-  visit("runs", a.runs);
-  visit("test_share", a.test_share);
   visit("lattice", a.lattice);
   visit("region", a.region);
   visit("part", a.part);
-  visit("seed", a.seed);
 }
 
 std::string beginning(const SweepPlan& plan, std::size_t runs_each) {
@@ -65,6 +60,8 @@ std::string beginning(const SweepPlan& plan, std::size_t runs_each) {
   arguments.part = plan.part.is_whole() ? "" : to_string(plan.part);  // rank 0 has it from Slurm
   visit_arguments(arguments,
                   [&](const char* name, auto& value) { json["arguments"][name] = value; });
+  for (const SettingRow<SweepRequest>& row : setting_rows<SweepRequest>())
+    json["sweep"][std::string(row.name)] = text_of_row(row, arguments.sweep);
   json["plan"] = plan.text;
   json["runs_each"] = runs_each;
   return kSweepBegins + json.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -238,6 +235,8 @@ void serve_sweep(const RankMessage& begin, Communicator& ranks, int threads,
   visit_arguments(arguments, [&](const char* name, auto& value) {
     json.at("arguments").at(name).get_to(value);
   });
+  for (const auto& [name, text] : json.at("sweep").items())
+    if (text != "") set_setting(arguments.sweep, {}, name, text.get<std::string>());
   Execution execution;
   execution.threads =
       arguments.render.options.threads > 0 ? arguments.render.options.threads : threads;

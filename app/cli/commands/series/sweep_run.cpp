@@ -128,7 +128,7 @@ void make_run(const SweepPlan& plan, int run, SweepWorker& worker, std::mutex& a
   nlohmann::ordered_json record;
   record["run"] = run;
   record["split"] = plan.test[static_cast<std::size_t>(run)] ? "test" : "train";
-  record["seed"] = seed_of_run(plan.seed, run);
+  record["seed"] = seed_of_run(plan.seed(), run);
   record["values"] = nlohmann::ordered_json::object();
   for (const SweepValue& value : plan.runs[static_cast<std::size_t>(run)])
     if (!value.key.empty()) record["values"][value.key] = value.value;
