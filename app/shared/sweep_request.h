@@ -10,7 +10,7 @@
 
 namespace plenoflame {
 
-/// Where the values of a sweep's runs come from: a table or rules.
+/// A table or rules that give the runs of a sweep their values.
 struct SweepRequest {
   SettingNames names = kOptionNames;
   std::string table = {}, random = {};  ///< files

@@ -3,8 +3,8 @@
 
 #include "commands/add_option.h"
 #include "commands/calibration/calibrate.h"
-#include "commands/setting_options.h"
 #include "commands/scene_input.h"
+#include "commands/setting_options.h"
 #include "messages.h"
 #include "outputs.h"
 #include "plenoflame/base/error.h"

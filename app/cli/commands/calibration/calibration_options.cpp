@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 #include <utility>
 
-#include "commands/setting_options.h"
 #include "commands/scene_input.h"
+#include "commands/setting_options.h"
 #include "messages.h"
 
 namespace plenoflame::cli {

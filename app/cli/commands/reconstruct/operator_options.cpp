@@ -4,8 +4,8 @@
 #include <CLI/CLI.hpp>
 
 #include "commands/part_option.h"
-#include "commands/setting_options.h"
 #include "commands/scene_input.h"
+#include "commands/setting_options.h"
 #include "commands/settings_file.h"
 #include "outputs.h"
 

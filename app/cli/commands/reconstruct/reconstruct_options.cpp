@@ -7,8 +7,8 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "commands/setting_options.h"
 #include "commands/scene_input.h"
+#include "commands/setting_options.h"
 #include "commands/settings_file.h"
 #include "options.h"
 #include "outputs.h"
