@@ -47,8 +47,9 @@ def _settable(name, default, read=lambda *values: values[0] if len(values) == 1 
     attribute = re.sub("(?=[A-Z])", "_", name).lower()
 
     def decorate(kind):
-        setattr(kind, attribute, read(*default))
-        setattr(kind, "Set" + name, lambda self, *values: self.set(attribute, read(*values)))
+        whole = getattr(kind, "_pv_original_func", kind)  # ParaView's decorators put a function in place of a class
+        setattr(whole, attribute, read(*default))
+        setattr(whole, "Set" + name, lambda self, *values: self.set(attribute, read(*values)))
         return kind
     return decorate
 
