@@ -1,9 +1,6 @@
 """Draws the picture of docs/user/paraview.md in ParaView 5.11: the state of the plugin, at twice the size of the page.
 
-    PICTURE=paraview.png xvfb-run -a -s "-screen 0 1920x1080x24" FOLDER/plenoflame-paraview --pvpython tools/draw_paraview.py
-
-FOLDER is build/release/paraview. tools/make_pictures.sh does this, and tests/bare/run.sh --all in a system of its own: Debian's ParaView
-excludes the VTK of the build.
+    PICTURE=$PWD/build/release/paraview.png tests/paraview/bare.sh build/release tools/draw_paraview.py
 """
 
 import os

@@ -2,7 +2,7 @@
 # Follows each documented way to build in a minimal Debian 12, where nothing is installed that a stranger would not have.
 #
 #   tests/bare/run.sh          set-up and configuration of each way
-#   tests/bare/run.sh --all    and builds: ./demo.sh to its pictures, pip install, ParaView's plugin, ./test.sh --quick
+#   tests/bare/run.sh --all    and builds: ./demo.sh to its pictures, pip install, ./test.sh --quick
 #
 # The minimal system, what each way installs and the downloaded packages stay in ~/.cache/plenoflame/bare (XDG_CACHE_HOME).
 # Ends with 77, which skips the test, where it cannot be done: it wants root, mmdebstrap, overlays and the package registry.
@@ -96,17 +96,6 @@ share_compiler_cache
 as somebody "/srv/scratch/venv/bin/pip install --no-deps --no-build-isolation . >/srv/scratch/pip 2>&1" || { tail -30 "$root/system/srv/scratch/pip"; fail "pip install"; }
 as somebody "cd /srv/scratch && /srv/scratch/venv/bin/python -c 'import plenoflame'" || fail "import plenoflame"
 
-say "the plugin in ParaView, which Debian does not install beside python3-vtk9"
-enter paraview "${layers[python]}"
-share_compiler_cache
-as_root "cmake --preset python >/dev/null && cmake --build --preset python >/dev/null" || fail "the build of python"
-as_root "apt-get -qq install -y --no-install-recommends paraview python3-paraview >/dev/null" || fail "the packages of ParaView"
-as_root "PLENOFLAME_PLUGIN=\$PWD/build/python/paraview/Plenoflame.py PLENOFLAME_COMMAND=\$PWD/build/python/app/cli/plenoflame PLENOFLAME_ROOT=\$PWD \
-  python3 -B tests/paraview/run.py /usr/bin/pvpython /usr/bin/xvfb-run tests/paraview/plugin.py" || fail "the plugin in ParaView"
-as_root "PICTURE=/srv/scratch/paraview.png xvfb-run -a -s '-screen 0 1920x1080x24' \$PWD/build/python/paraview/plenoflame-paraview \
-  --pvpython tools/draw_paraview.py >/dev/null" || fail "the picture of docs/user/paraview.md"
-cp "$root/system/srv/scratch/paraview.png" "$cache"
-
 say "./demo.sh from nothing"
 enter demo
 share_compiler_cache
@@ -119,4 +108,4 @@ done
 say "./test.sh --quick"
 share_compiler_cache
 as_root "./test.sh --quick" || fail "test.sh"
-say "done; the pictures of demo.sh and of ParaView are in $cache"
+say "done; the pictures of demo.sh are in $cache"
