@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "inverse/operators/vector_sums.h"
+#include "plenoflame/inverse/solvers.h"
 #include "plenoflame/inverse/uncertainty.h"
 
 namespace plenoflame {
@@ -40,6 +42,24 @@ std::vector<double> shape_of(const Reconstruction& found, const Unknowns& unknow
   return shape;
 }
 
+/// The strength of the largest evidence, by one step (MacKay 1992): each unknown that the pictures
+/// resolve adds the variance of the noise to the penalty. Further steps take all detail of a smooth
+/// flame for noise.
+/// @param begin a first strength
+double strength_of_evidence(const LinearProblem& problem, const LinearOperator& penalty,
+                            double begin, double variance, const Execution& execution) {
+  constexpr int kProbes = 4;
+  const ProbeAccuracy accuracy{1000, 1e-4};
+  SolverOptions options;
+  options.iterations = accuracy.iterations;
+  options.relative_change = accuracy.relative_change;
+  const Regularisation prior{&penalty, begin, {}};
+  const double resolved =
+      estimate_resolution(problem, prior, {kProbes, 2}, execution, accuracy).resolved_unknowns;
+  const double bend = norm(penalty * solve_cgls(problem, prior, options, execution).x);
+  return variance * resolved / (bend * bend);
+}
+
 }  // namespace
 
 double strength_of_brightness(const ScaledProblem& problem, const Regularisation& penalty,
@@ -66,29 +86,42 @@ double strength_of_brightness(const ScaledProblem& problem, const Regularisation
 }
 
 PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
-                            const ReconstructionSettings& settings, const Reconstruction& found,
-                            const Execution& execution) {
+                            const ReconstructionSettings& settings, std::span<const double> b,
+                            const Reconstruction& found, const Execution& execution) {
   if (!(found.strength > 0 && *std::ranges::max_element(found.values) > 0))
     return {nullptr, problem.regularisation(found.strength)};
+  const std::size_t views = input.views.size();
   const bool round = input.unknowns->begins_at_centre();
-  // One camera sees how fine the structure is, but not the depth of the light. The unknown part is
-  // as large as the light along its lines of sight.
-  if (input.views.size() == 1 && !round && input.prior.empty()) {
+  // Errors are as large as the flame is bright.
+  if (input.prior.empty() && (found.resolved_unknowns > 0 || (views == 1 && !round))) {
     PriorOfDraws prior;
     const std::span<const double> weights = problem.weights();
     prior.ratios = std::make_unique<ScaledProblem>(
         nullptr, problem.unscaled(), std::vector<double>(weights.begin(), weights.end()),
         shape_of(found, *input.unknowns), *input.unknowns, settings);
     prior.penalty = prior.ratios->penalty_of_ratios(1);
-    prior.penalty.strength =
-        strength_of_brightness(*prior.ratios, prior.penalty, {}, found.values, execution);
+    double strength = std::numeric_limits<double>::max();
+    if (round || views > 1) {
+      const double variance = found.noise_factor * found.noise_factor;
+      const LinearOperator& l = *prior.penalty.penalty;
+      const double bend = norm(l * prior.ratios->scaled(found.values));
+      strength = strength_of_evidence(prior.ratios->problem(b), l,
+                                      variance * found.resolved_unknowns / (bend * bend), variance,
+                                      execution);
+    }
+    // One camera sees how fine the structure is, but not the depth of the light, and two see it in
+    // part. What is unknown is as large as the light along the lines of sight.
+    if (views <= 2 && !round)
+      strength = std::min(strength, strength_of_brightness(*prior.ratios, prior.penalty, {},
+                                                           found.values, execution));
+    prior.penalty.strength = strength;
     return prior;
   }
   // Only places with light bend: the amplitude that the strength tells in the mean of all is
   // theirs, and larger.
   double strength = share_of_lit(found) * found.strength;
-  // Two cameras see the depth only in part, and rings look the same to every camera.
-  if (input.views.size() <= 2 || round)
+  // Rings look the same to every camera.
+  if (views <= 2 || round)
     strength = std::min(strength, strength_of_brightness(problem, problem.regularisation(1),
                                                          input.prior, found.values, execution));
   return {nullptr, problem.regularisation(strength)};

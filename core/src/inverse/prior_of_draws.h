@@ -26,7 +26,7 @@ double strength_of_brightness(const ScaledProblem& problem, const Regularisation
 /// light. Else it is that of the solution.
 /// @param found strength, values, at_places and solved are read
 PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
-                            const ReconstructionSettings& settings, const Reconstruction& found,
-                            const Execution& execution);
+                            const ReconstructionSettings& settings, std::span<const double> b,
+                            const Reconstruction& found, const Execution& execution);
 
 }  // namespace plenoflame

@@ -47,6 +47,8 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
+/// Iterations of draws at most. Where 300 are not enough, deviations are a fifth too small.
+constexpr int kMostOfDraws = 3000;
 /// Probes and draws end when a solution changes by less than this part of its length. Deviations
 /// that end at 1e-3 are a fifth too small, after two thirds of the iterations.
 constexpr double kProbed = 1e-5;
@@ -182,7 +184,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   const double free = free_chi_squared(result.chi_squared * rows, rows, result.resolved_unknowns);
   result.noise_factor = std::sqrt(free);
   if (settings.draws < 1) return;
-  const PriorOfDraws prior = prior_of_draws(problem, input, settings, result, watch.inner());
+  const PriorOfDraws prior = prior_of_draws(problem, input, settings, b, result, watch.inner());
   const ScaledProblem& drawn_in = prior.ratios ? *prior.ratios : problem;
   std::vector<double> squares(result.values.size(), 0.0);
   const auto add = [&](std::span<const double> u) {
@@ -192,7 +194,7 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
     for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
   };
   draw_posterior(drawn_in.problem(b), prior.penalty, {settings.draws, 1}, add, watch.rest(1),
-                 accuracy);
+                 {kMostOfDraws, kProbed});
   const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
   result.deviation = errors_of_chords(*input.unknowns, result.at_places, input.absorption);
   for (std::size_t j = 0; j < squares.size(); ++j) {
