@@ -45,7 +45,7 @@ struct Grid {
   bool rings;
   int cameras;
   double coarser = 1;
-  double pulls = 1.4, covered = 0.88;  ///< limits
+  double least = 0.7;  ///< pulls
 };
 class AllFlameFamilies : public testing::TestWithParam<Grid> {};
 
@@ -59,17 +59,16 @@ TEST_P(AllFlameFamilies, DeviationsAreTheErrors) {
   trial.coarser = grid.coarser;
   const Totals emission = measure(trial, unused);
   print("**all, " + what_sees(trial) + "**", emission.mean());
-  expect_true(emission, grid.pulls, grid.covered);
+  expect_true(emission, grid.least);
 }
 
-// Coarse rings hide from several cameras alike what they cannot show.
+// Voxels of smooth flames err less than evidence says.
 INSTANTIATE_TEST_SUITE_P(, AllFlameFamilies,
-                         testing::Values(Grid{"Rings1", true, 1},
-                                         Grid{"Rings3", true, 3, 1, 1.8, 0.8},
-                                         Grid{"Rings6", true, 6, 1, 2.1, 0.7},
-                                         Grid{"FineRings3", true, 3, 0.5},
-                                         Grid{"Voxels1", false, 1}, Grid{"Voxels3", false, 3},
-                                         Grid{"Voxels6", false, 6}),
+                         testing::Values(Grid{"Rings1", true, 1}, Grid{"Rings3", true, 3},
+                                         Grid{"Rings6", true, 6}, Grid{"FineRings3", true, 3, 0.5},
+                                         Grid{"Voxels1", false, 1},
+                                         Grid{"Voxels3", false, 3, 1, 0.5},
+                                         Grid{"Voxels6", false, 6, 1, 0.5}),
                          [](const auto& one) { return std::string(one.param.name); });
 
 TEST(FlameFamilies, DeviationsOfTemperatures) {

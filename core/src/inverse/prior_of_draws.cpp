@@ -42,9 +42,9 @@ std::vector<double> shape_of(const Reconstruction& found, const Unknowns& unknow
   return shape;
 }
 
-/// The strength of the largest evidence, by one step (MacKay 1992): each unknown that the pictures
-/// resolve adds the variance of the noise to the penalty. Further steps take all detail of a smooth
-/// flame for noise.
+/// One step towards the strength of the largest evidence (MacKay 1992). Each unknown that the
+/// pictures resolve adds the variance of the noise to the penalty. Further steps take all detail of
+/// a smooth flame for noise.
 /// @param begin a first strength
 double strength_of_evidence(const LinearProblem& problem, const LinearOperator& penalty,
                             double begin, double variance, const Execution& execution) {
@@ -110,7 +110,7 @@ PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionIn
                                       execution);
     }
     // One camera sees how fine the structure is, but not the depth of the light, and two see it in
-    // part. What is unknown is as large as the light along the lines of sight.
+    // part. The unknown part is as large as the light along the lines of sight.
     if (views <= 2 && !round)
       strength = std::min(strength, strength_of_brightness(*prior.ratios, prior.penalty, {},
                                                            found.values, execution));

@@ -47,7 +47,7 @@ constexpr double kGuessStrength = 1e-5;
 constexpr int kMostTurnsOfGuess = 10;
 /// Iterations of probes and draws, at least.
 constexpr int kLeastProbe = 100;
-/// Iterations of draws at most. Where 300 are not enough, deviations are a fifth too small.
+/// Iterations of draws at most. After 300, some deviations were a fifth too small.
 constexpr int kMostOfDraws = 3000;
 /// Probes and draws end when a solution changes by less than this part of its length. Deviations
 /// that end at 1e-3 are a fifth too small, after two thirds of the iterations.
