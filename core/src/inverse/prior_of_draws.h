@@ -22,9 +22,9 @@ double strength_of_brightness(const ScaledProblem& problem, const Regularisation
                               std::span<const double> prior, std::vector<double> flame,
                               const Execution& execution);
 
-/// The unknowns are ratios to the found flame, and evidence tells their size. Flames are at least as
-/// bright as the found one if the views do not tell the depth of the light. The prior is that of the
-/// solution if the number of resolved unknowns is not known.
+/// The unknowns are ratios to the found flame, and evidence tells their size. Flames are at least
+/// as bright as the found one if the views do not tell the depth of the light. The prior is that of
+/// the solution if the number of resolved unknowns is not known.
 /// @param b [W] of the rows @param found strength, values, at_places, solved, noise_factor and
 ///        resolved_unknowns are read
 PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
