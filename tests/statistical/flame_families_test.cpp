@@ -62,14 +62,13 @@ TEST_P(AllFlameFamilies, DeviationsAreTheErrors) {
   expect_true(emission, grid.least);
 }
 
-// Voxels of smooth flames err less than evidence says.
-INSTANTIATE_TEST_SUITE_P(, AllFlameFamilies,
-                         testing::Values(Grid{"Rings1", true, 1}, Grid{"Rings3", true, 3},
-                                         Grid{"Rings6", true, 6}, Grid{"FineRings3", true, 3, 0.5},
-                                         Grid{"Voxels1", false, 1},
-                                         Grid{"Voxels3", false, 3, 1, 0.5},
-                                         Grid{"Voxels6", false, 6, 1, 0.5}),
-                         [](const auto& one) { return std::string(one.param.name); });
+// Smooth flames on fine grids err less than evidence says.
+INSTANTIATE_TEST_SUITE_P(
+    , AllFlameFamilies,
+    testing::Values(Grid{"Rings1", true, 1}, Grid{"Rings3", true, 3}, Grid{"Rings6", true, 6},
+                    Grid{"FineRings3", true, 3, 0.5, 0.5}, Grid{"Voxels1", false, 1},
+                    Grid{"Voxels3", false, 3, 1, 0.5}, Grid{"Voxels6", false, 6, 1, 0.5}),
+    [](const auto& one) { return std::string(one.param.name); });
 
 TEST(FlameFamilies, DeviationsOfTemperatures) {
   if (!in_full()) return;
