@@ -47,9 +47,9 @@ def _settable(name, default, read=lambda *values: values[0] if len(values) == 1 
     attribute = re.sub("(?=[A-Z])", "_", name).lower()
 
     def decorate(kind):
-        whole = getattr(kind, "_pv_original_func", kind)  # ParaView's decorators put a function in place of a class
-        setattr(whole, attribute, read(*default))
-        setattr(whole, "Set" + name, lambda self, *values: self.set(attribute, read(*values)))
+        undecorated = getattr(kind, "_pv_original_func", kind)  # ParaView's decorators put a function in place of a class
+        setattr(undecorated, attribute, read(*default))
+        setattr(undecorated, "Set" + name, lambda self, *values: self.set(attribute, read(*values)))
         return kind
     return decorate
 

@@ -168,12 +168,7 @@ void bind_import(py::module_& module) {
       .def(py::init<>())
       .def("set_option", [](R& r, const std::string& setting,
                             const std::string& text) { set_setting(r, kNames, setting, text); })
-      .def_static("settings",
-                  [] {
-                    py::list list;
-                    add_settings<R>(list);
-                    return list;
-                  })
+      .def_static("settings", &settings_alone<R>)
       .def_property_readonly("properties", &properties_of);
 }
 

@@ -70,12 +70,7 @@ void bind_sweep(py::module_& module) {
            [](Sweep& s, const std::string& setting, const std::string& text) {
              set_setting(s.request, kNames, setting, text);
            })
-      .def_static("settings",
-                  [] {
-                    py::list list;
-                    add_settings<SweepRequest>(list);
-                    return list;
-                  })
+      .def_static("settings", &settings_alone<SweepRequest>)
       .def("draw", [](Sweep& s) { s.runs = runs_of(s.request); })
       .def("__len__", [](const Sweep& s) { return s.runs.values.size(); })
       .def("run",

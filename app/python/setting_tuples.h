@@ -17,4 +17,12 @@ void add_settings(pybind11::list& list) {
   }
 }
 
+/// The rows of a request alone.
+template <class Request>
+pybind11::list settings_alone() {
+  pybind11::list list;
+  add_settings<Request>(list);
+  return list;
+}
+
 }  // namespace plenoflame::python

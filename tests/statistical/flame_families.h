@@ -399,10 +399,9 @@ inline void print(const std::string& what, const Errors& errors) {
               100 * errors.stated, errors.pulls, 100 * errors.covered_once, 100 * errors.covered);
 }
 
-/// @param least pulls
-inline void expect_true(const Totals& totals, double least = 0.7) {
+inline void expect_true(const Totals& totals) {
   const Errors mean = totals.mean();
-  EXPECT_GT(mean.pulls, least);
+  EXPECT_GT(mean.pulls, 0.7);
   EXPECT_LT(mean.pulls, 1.4);
   EXPECT_GT(mean.covered, 0.88);
 }

@@ -45,7 +45,6 @@ struct Grid {
   bool rings;
   int cameras;
   double coarser = 1;
-  double least = 0.7;  ///< pulls
 };
 class AllFlameFamilies : public testing::TestWithParam<Grid> {};
 
@@ -59,16 +58,15 @@ TEST_P(AllFlameFamilies, DeviationsAreTheErrors) {
   trial.coarser = grid.coarser;
   const Totals emission = measure(trial, unused);
   print("**all, " + what_sees(trial) + "**", emission.mean());
-  expect_true(emission, grid.least);
+  expect_true(emission);
 }
 
-// Smooth flames on fine grids err less than evidence says.
-INSTANTIATE_TEST_SUITE_P(
-    , AllFlameFamilies,
-    testing::Values(Grid{"Rings1", true, 1}, Grid{"Rings3", true, 3}, Grid{"Rings6", true, 6},
-                    Grid{"FineRings3", true, 3, 0.5, 0.5}, Grid{"Voxels1", false, 1},
-                    Grid{"Voxels3", false, 3, 1, 0.5}, Grid{"Voxels6", false, 6, 1, 0.5}),
-    [](const auto& one) { return std::string(one.param.name); });
+INSTANTIATE_TEST_SUITE_P(, AllFlameFamilies,
+                         testing::Values(Grid{"Rings1", true, 1}, Grid{"Rings3", true, 3},
+                                         Grid{"Rings6", true, 6}, Grid{"FineRings3", true, 3, 0.5},
+                                         Grid{"Voxels1", false, 1}, Grid{"Voxels3", false, 3},
+                                         Grid{"Voxels6", false, 6}),
+                         [](const auto& one) { return std::string(one.param.name); });
 
 TEST(FlameFamilies, DeviationsOfTemperatures) {
   if (!in_full()) return;
@@ -82,7 +80,7 @@ TEST(FlameFamilies, DeviationsOfTemperatures) {
     print(std::string("**absorbing flames, ") + (rings ? "rings, 1 camera" : "voxels, 3 cameras") +
               ", temperature**",
           temperature.mean());
-    expect_true(temperature, rings ? 0.7 : 0.5);
+    expect_true(temperature);
   }
 }
 
