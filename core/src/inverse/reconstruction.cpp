@@ -136,13 +136,13 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   result.strength = -1;  // where a stop comes before one is chosen
   // Flames more than twice as bright as this one are no prior. Cross-validation prefers them if the
   // flame seems to explain errors of the model that neighbouring pixels share.
-  constexpr double kMostTimesBrighter = 2, kMostNegative = 0.1;
+  constexpr double kMostTimesBrighter = 2;
   StrengthRange range = kLinearRange;
   range.lowest = std::clamp(strength_of_brightness(problem, problem.regularisation(1), input.prior,
                                                    guess, watch.inner()) /
                                 std::pow(kMostTimesBrighter, 2),
                             range.lowest, 0.01 * range.highest);
-  range.most_negative = kMostNegative;
+  range.bounded = true;
   range.points = 1 + static_cast<int>(std::ceil(std::log10(range.highest / range.lowest)));
   SolverOptions options;
   options.iterations = range.iterations;

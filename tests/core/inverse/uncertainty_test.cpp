@@ -102,21 +102,38 @@ TEST(Strength, GoesOnAboutTheBestOnly) {
   EXPECT_TRUE(p.choice(range).at_end);
 }
 
-// A profile with a gap that is negative: strengths are chosen that leave less of it.
-TEST(Strength, LeavesLittleThatIsNegative) {
+// A profile with a gap that is negative, with bounds: the conditions of Karush, Kuhn and Tucker
+// hold, and the unknowns at their bound follow no data.
+TEST(Strength, OfABoundedProfile) {
   Profile p;
   for (std::size_t i = 0; i < p.b.size(); ++i)
     if (i > p.b.size() / 2) p.b[i] = -0.3 * p.b[i];
   StrengthRange range;
-  const StrengthChoice plain = p.choice(range);
-  const auto negative_of = [&](double strength) {
-    const Eigen::VectorXd x = p.exact(strength * p.unit());
-    return x.cwiseMin(0).norm() / x.norm();
-  };
-  range.most_negative = 0.8 * negative_of(plain.strength);
+  range.probes = 400;
+  range.iterations = 20000;
+  range.bounded = true;
   const StrengthChoice choice = p.choice(range);
-  EXPECT_GT(choice.strength, plain.strength);
-  EXPECT_LE(negative_of(choice.strength), 1.001 * range.most_negative);
+  const Eigen::VectorXd x = dense(choice.solution.x);
+  std::vector<int> free;
+  for (int j = 0; j < Profile::kSamples; ++j)
+    if (x[j] > 0) free.push_back(j);
+  ASSERT_LT(free.size(), 25U);
+  const double strength = choice.strength * p.unit();
+  const Eigen::MatrixXd wa = p.a.dense / p.sigma, l = dense(*p.penalty);
+  const Eigen::MatrixXd normal = wa.transpose() * wa + strength * l.transpose() * l;
+  const Eigen::VectorXd data = wa.transpose() * dense(p.b) / p.sigma;
+  const Eigen::VectorXd gradient = normal * x - data;
+  for (int j = 0; j < Profile::kSamples; ++j)
+    EXPECT_GT(gradient[j], -1e-4 * data.norm())
+        << j << (x[j] > 0 ? " is free" : " is at its bound");
+  EXPECT_LT(gradient(free).norm(), 1e-4 * data.norm());
+  const Eigen::MatrixXd of_free = wa(Eigen::all, free);
+  const double trace =
+      Eigen::MatrixXd(normal(free, free)).ldlt().solve(of_free.transpose() * of_free).trace();
+  const double gcv =
+      (wa * x - dense(p.b) / p.sigma).squaredNorm() / std::pow(Profile::kRows - trace, 2);
+  const auto chosen = std::ranges::find(choice.curve, choice.strength, &StrengthPoint::strength);
+  EXPECT_TRUE(relative(chosen->gcv, gcv, 0.03));
 }
 
 // A pyramid that falls to half within two samples along one axis and one along the other; at the

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "inverse/expected_misfit.h"
+#include "inverse/operators/scaled_problem.h"
 #include "inverse/solvers/iteration.h"
 #include "plenoflame/base/error.h"
 
@@ -15,6 +16,8 @@ namespace {
 constexpr int kHalvings = 2;
 /// Strengths in a row that are worse than the best, after which weaker ones are not tried.
 constexpr int kWorse = 2;
+/// Negative values count from this share of a solution's 2-norm.
+constexpr double kNegative = 0.02;
 
 double counted_rows(const LinearProblem& problem) {
   if (problem.weights.empty()) return static_cast<double>(problem.b.size());
@@ -33,8 +36,10 @@ double negative_part(std::span<const double> x) {
 
 /// Trace of the influence matrix W A (A^T W^2 A + s L^T L)^-1 A^T W, by probing (Girard 1989). The
 /// random signs are equal for every strength, so that the curve is smooth.
+/// @param free 0 for unknowns at their bound, which follow no data; otherwise 1
 double influence(const LinearProblem& problem, const Regularisation& penalty,
-                 const StrengthRange& range, const Execution& execution) {
+                 std::vector<double> free, const StrengthRange& range, const Execution& execution) {
+  const ScaledColumns a(*problem.a, free), l(*penalty.penalty, std::move(free));
   SignSequence signs(11);
   SolverOptions options;
   options.iterations = range.iterations;
@@ -48,9 +53,9 @@ double influence(const LinearProblem& problem, const Regularisation& penalty,
       weighted[i] = w > 0 ? sign : 0;
       b[i] = w > 0 ? sign / w : 0;
     }
-    const Solution s = solve_cgls({problem.a, b, problem.weights},
-                                  {penalty.penalty, penalty.strength}, options, execution);
-    std::vector<double> back = *problem.a * s.x;
+    const Solution s =
+        solve_cgls({&a, b, problem.weights}, {&l, penalty.strength}, options, execution);
+    std::vector<double> back = a * s.x;
     scale_by(problem.weights, back);
     sum += dot(weighted, back);
   }
@@ -78,14 +83,22 @@ class Trials {
       penalty_.strength = strength * unit_;
       if (from < solutions_.size()) options_.start = solutions_[from].x;
       Solution solution = solve_cgls(problem_, penalty_, options_, execution_);
+      std::vector<double> free(solution.x.size(), 1.0);
+      if (range_.bounded && negative_part(solution.x) > kNegative) {
+        SolverOptions bounded = options_;
+        bounded.start = solution.x;
+        for (double& value : bounded.start) value = std::max(value, 0.0);
+        solution = solve_nnls(problem_, penalty_, bounded, execution_);
+        for (std::size_t j = 0; j < free.size(); ++j) free[j] = solution.x[j] > 0 ? 1 : 0;
+      }
       const auto columns = static_cast<double>(problem_.a->columns());
       const double left = independent_errors(counted_rows(problem_), columns) -
-                          influence(problem_, penalty_, range_, execution_);
+                          influence(problem_, penalty_, std::move(free), range_, execution_);
       // A probe that a stop interrupts gives no trace.
       if (execution_.stop.stop_requested() && !curve_.empty()) return false;
       const double misfit = solution.misfit();
-      curve_.push_back({strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left),
-                        negative_part(solution.x)});
+      curve_.push_back(
+          {strength, misfit, penalty_of(penalty_, solution.x), misfit / (left * left)});
       solutions_.push_back(std::move(solution));
     } catch (const Cancelled&) {
       if (curve_.empty()) throw;
@@ -95,15 +108,11 @@ class Trials {
   }
 
   std::size_t count() const { return curve_.size(); }
-  /// The first one, which is the strongest, where none may be chosen.
   std::size_t best() const {
     std::size_t best = 0;
     for (std::size_t k = 1; k < curve_.size(); ++k)
-      if (may_be_chosen(k) && curve_[k].gcv < curve_[best].gcv) best = k;
+      if (curve_[k].gcv < curve_[best].gcv) best = k;
     return best;
-  }
-  bool may_be_chosen(std::size_t trial) const {
-    return curve_[trial].negative <= range_.most_negative;
   }
   double strength(std::size_t trial) const { return curve_[trial].strength; }
   /// The next stronger or weaker one of all trials; 0: there is none.
@@ -153,7 +162,6 @@ StrengthChoice choose_strength(const LinearProblem& problem, const Regularisatio
     goes_on = trials.attempt(range.lowest * std::pow(range.highest / range.lowest, share),
                              trials.count() - 1);
     if (!goes_on || trials.count() > trials.best() + kWorse) break;
-    if (!trials.may_be_chosen(trials.count() - 1)) break;
   }
   for (int halving = 0; halving < kHalvings && goes_on; ++halving) {
     const std::size_t best = trials.best();
