@@ -131,6 +131,17 @@ TEST(FlameFamilies, OneCameraSaysThatItCannotTellDepths) {
   expect_true(emission);
 }
 
+// Two cameras, whose solutions without bounds have much negative light. A prior that follows the
+// brightness knows more than a penalty that is the same everywhere.
+TEST(FlameFamilies, VoxelsAreRatiosToAFirstSolution) {
+  const FamilyTrial trial{Family::blobs, false, 2, 8000, 7, 0};
+  ReconstructionSettings settings = usual_settings();
+  const FamilyOutcome found = reconstruct_family(trial, settings);
+  EXPECT_LT(found.chi_squared, 1.3);
+  settings.evidence = false;
+  EXPECT_LT(found.emission.error, 0.9 * reconstruct_family(trial, settings).emission.error);
+}
+
 ReconstructionSettings tested() {
   ReconstructionSettings settings;
   settings.draws = 1;

@@ -8,9 +8,9 @@
 
 namespace plenoflame {
 
-/// The prior of the flames from which deviations are drawn, in the unknowns of a problem.
-struct PriorOfDraws {
-  /// Its unknowns are ratios to the flame; nullptr: they are those of the solution.
+/// A Gaussian prior of flames, in the unknowns of a problem.
+struct PriorOfFlame {
+  /// Its unknowns are ratios to a flame; nullptr: they are those of the solution.
   std::unique_ptr<ScaledProblem> ratios;
   Regularisation penalty;
 };
@@ -22,12 +22,27 @@ double strength_of_brightness(const ScaledProblem& problem, const Regularisation
                               std::span<const double> prior, std::vector<double> flame,
                               const Execution& execution);
 
-/// The unknowns are ratios to the found flame, and evidence tells their size. Flames are at least
-/// as bright as the found one if the views do not tell the depth of the light. The prior is that of
-/// the solution if the number of resolved unknowns is not known.
+/// Tells whether the solution itself has a prior of ratios: that of voxels by the default solver.
+bool solves_ratios(const ReconstructionInput& input, const ReconstructionSettings& settings);
+
+/// A prior of ratios to a first solution. Evidence tells their size.
+/// @param b [W] of the rows @param found values and solved are read
+PriorOfFlame prior_by_evidence(const ScaledProblem& problem, const ReconstructionInput& input,
+                               const ReconstructionSettings& settings, std::span<const double> b,
+                               const Reconstruction& found, const Execution& execution);
+
+/// The strength for draws about a solution with such a prior. Flames are smoother beyond what the
+/// pictures resolve than within it: deviations would be 1.5 times too large
+/// (docs/theory/reconstruction.md).
+double strength_of_draws(const PriorOfFlame& prior, const ReconstructionInput& input,
+                         const Reconstruction& found, const Execution& execution);
+
+/// The prior of draws about any other solution. The unknowns are ratios to the found flame, and
+/// evidence tells their size. Rings whose resolved number is not known, and solutions with a prior,
+/// have that of the solution.
 /// @param b [W] of the rows @param found strength, values, at_places, solved, noise_factor and
 ///        resolved_unknowns are read
-PriorOfDraws prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
+PriorOfFlame prior_of_draws(const ScaledProblem& problem, const ReconstructionInput& input,
                             const ReconstructionSettings& settings, std::span<const double> b,
                             const Reconstruction& found, const Execution& execution);
 

@@ -37,9 +37,9 @@
 namespace plenoflame {
 namespace {
 
-/// Shares of the progress at the ends of drawing rays, of choosing the strength and of solving.
-/// The deviations take the rest, and a test of the model a fifth of the whole.
-constexpr double kDrawingShare = 0.05, kChosen = 0.4, kSolved = 0.45, kUntested = 0.8;
+/// Shares of the progress at the ends of drawing rays, of choosing the strength and of one or two
+/// solutions. The deviations take the rest, and a test of the model a fifth of the whole.
+constexpr double kDrawingShare = 0.05, kChosen = 0.4, kFirst = 0.43, kSolved = 0.5, kUntested = 0.8;
 /// Strengths that are tried at most, about.
 constexpr int kTrials = 12;
 /// Strength of a first guess: enough that what no pixel tells does not run away.
@@ -162,19 +162,46 @@ std::vector<double> choose_strength_of(const ScaledProblem& problem, std::span<c
   return problem.samples(choice.solution.x);
 }
 
-/// Resolution and deviations, of a solution whose penalty is a Gaussian prior.
-void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& input,
+/// A problem that is solved, whose penalty is a Gaussian prior.
+struct SolvedProblem {
+  const ScaledProblem& problem;
+  Regularisation penalty;
+  const PriorOfFlame* prior =
+      nullptr;  ///< of ratios, which are the unknowns; nullptr: they are not
+};
+
+/// Solves once more, with a prior that is as large as the flame is bright.
+PriorOfFlame solve_by_evidence(const ScaledProblem& problem, const ReconstructionInput& input,
+                               const ReconstructionSettings& settings, std::span<const double> b,
+                               Watch& watch, Reconstruction& result) {
+  PriorOfFlame prior = prior_by_evidence(problem, input, settings, b, result, watch.inner());
+  SolverOptions options;
+  options.iterations = settings.iterations;
+  options.relative_change = 1e-5;
+  options.start = prior.ratios->scaled(result.values);
+  const Solution solution =
+      solve_nnls(prior.ratios->problem(b), prior.penalty,
+                 watch.watched(options, *prior.ratios, kSolved, 1, false), watch.inner());
+  result.values = prior.ratios->samples(solution.x);
+  result.reason = solution.reason;
+  result.ratio_strength = prior.penalty.strength;
+  const auto rows = static_cast<double>(result.rows - result.left_out);
+  for (const SolverStep& step : solution.history) result.history.push_back(step.misfit / rows);
+  return prior;
+}
+
+/// Resolution and deviations.
+void add_uncertainty(const SolvedProblem& solved, const ReconstructionInput& input,
                      const ReconstructionSettings& settings, std::span<const double> b,
                      Watch& watch, Reconstruction& result) {
   const auto rows = static_cast<double>(result.rows - result.left_out);
   const ProbeAccuracy accuracy{std::max(kLeastProbe, settings.iterations), kProbed};
-  const LinearProblem linear = problem.problem(b);
-  const Regularisation penalty = problem.regularisation(result.strength);
+  const LinearProblem linear = solved.problem.problem(b);
   const double all = std::max(1, settings.draws + settings.probes);
   if (settings.probes > 0) {
     const double to = kSolved + settings.probes / all * (1 - kSolved);
     Uncertainty found =
-        estimate_resolution(linear, penalty, {settings.probes, 1}, watch.rest(to), accuracy);
+        estimate_resolution(linear, solved.penalty, {settings.probes, 1}, watch.rest(to), accuracy);
     result.resolved_unknowns = found.resolved_unknowns;
     result.resolved = std::move(found.resolved);
     for (double& value : result.resolved) value = std::clamp(value, 0.0, 1.0);
@@ -184,16 +211,24 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
   const double free = free_chi_squared(result.chi_squared * rows, rows, result.resolved_unknowns);
   result.noise_factor = std::sqrt(free);
   if (settings.draws < 1) return;
-  const PriorOfDraws prior = prior_of_draws(problem, input, settings, b, result, watch.inner());
-  const ScaledProblem& drawn_in = prior.ratios ? *prior.ratios : problem;
+  PriorOfFlame other;
+  Regularisation penalty = solved.penalty;
+  if (solved.prior) {
+    penalty.strength = strength_of_draws(*solved.prior, input, result, watch.inner());
+  } else {
+    other = prior_of_draws(solved.problem, input, settings, b, result, watch.inner());
+    penalty = other.penalty;
+  }
+  const ScaledProblem& drawn_in = other.ratios ? *other.ratios : solved.problem;
   std::vector<double> squares(result.values.size(), 0.0);
   const auto add = [&](std::span<const double> u) {
     std::vector<double> moved = drawn_in.samples(u);
     // Ratios are of the light at places.
-    if (!prior.ratios) moved = values_at_places(*input.unknowns, moved, result.solved);
+    if (!solved.prior && !other.ratios)
+      moved = values_at_places(*input.unknowns, moved, result.solved);
     for (std::size_t j = 0; j < squares.size(); ++j) squares[j] += moved[j] * moved[j];
   };
-  draw_posterior(drawn_in.problem(b), prior.penalty, {settings.draws, 1}, add, watch.rest(1),
+  draw_posterior(drawn_in.problem(b), penalty, {settings.draws, 1}, add, watch.rest(1),
                  {kMostOfDraws, kProbed});
   const double factor = deviation_factor(free, rows, static_cast<double>(linear.a->columns()));
   result.deviation = errors_of_chords(*input.unknowns, result.at_places, input.absorption);
@@ -204,27 +239,26 @@ void add_uncertainty(const ScaledProblem& problem, const ReconstructionInput& in
 }
 
 /// The flame's part of a change of the pictures [W], at places.
-std::vector<double> followed_at_places(const ScaledProblem& problem, const Unknowns& unknowns,
+std::vector<double> followed_at_places(const SolvedProblem& solved, const Unknowns& unknowns,
                                        std::span<const double> change, const Execution& execution,
                                        const Reconstruction& found) {
   const std::vector<double> u =
-      follow_change(problem.problem(change), problem.regularisation(found.strength), change,
-                    {300, 1e-5}, execution);
-  return values_at_places(unknowns, problem.samples(u), found.solved);
+      follow_change(solved.problem.problem(change), solved.penalty, change, {300, 1e-5}, execution);
+  return values_at_places(unknowns, solved.problem.samples(u), found.solved);
 }
 
-PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const ScaledProblem& problem,
-                      const LinearProblem& linear, const Regularisation& penalty,
-                      const Execution& execution) {
+PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const SolvedProblem& solved,
+                      std::span<const double> b, const Execution& execution) {
   PointSpread spread;
   spread.unknown = unknown;
   spread.place = unknowns.place(unknown);
   std::vector<double> one(unknowns.size(), 0.0);
   one[unknown] = 1;
-  const double unit = problem.scaled(one)[unknown];
+  const double unit = solved.problem.scaled(one)[unknown];
   if (!(unit > 0)) return spread;
-  std::vector<double> column = problem.samples(
-      point_spread(linear, penalty, unknown, execution, ProbeAccuracy{kLeastProbe, 1e-5}));
+  std::vector<double> column =
+      solved.problem.samples(point_spread(solved.problem.problem(b), solved.penalty, unknown,
+                                          execution, ProbeAccuracy{kLeastProbe, 1e-5}));
   for (double& value : column) value *= unit;
   spread.peak = column[unknown];
   spread.widths = half_widths(column, unknowns.shape(), unknowns.spacing(), unknown);
@@ -232,11 +266,9 @@ PointSpread spread_of(std::size_t unknown, const Unknowns& unknowns, const Scale
 }
 
 /// Point spreads of the places that the input names, and of the brightest one.
-void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
+void add_spreads(const ReconstructionInput& input, const SolvedProblem& solved,
                  const ReconstructionSettings& settings, std::span<const double> b,
                  const Execution& execution, Reconstruction& result) {
-  const LinearProblem linear = problem.problem(b);
-  const Regularisation penalty = problem.regularisation(result.strength);
   for (const Vec3& place : input.spread_at) {
     std::size_t unknown = 0;
     double nearest = std::numeric_limits<double>::max();
@@ -244,14 +276,12 @@ void add_spreads(const ReconstructionInput& input, const ScaledProblem& problem,
       const double distance = length(input.unknowns->place(j) - place);
       if (distance < nearest) nearest = distance, unknown = j;
     }
-    result.spreads.push_back(
-        spread_of(unknown, *input.unknowns, problem, linear, penalty, execution));
+    result.spreads.push_back(spread_of(unknown, *input.unknowns, solved, b, execution));
   }
   if (settings.probes < 1) return;
   const auto brightest = static_cast<std::size_t>(std::ranges::max_element(result.at_places) -
                                                   result.at_places.begin());
-  result.resolution.push_back(
-      spread_of(brightest, *input.unknowns, problem, linear, penalty, execution));
+  result.resolution.push_back(spread_of(brightest, *input.unknowns, solved, b, execution));
 }
 
 /// Rows of the temperatures that follow, as the renderer would fill them.
@@ -463,6 +493,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   }
   std::vector<double> start = input.start;
   std::optional<ScaledProblem> weighted;
+  PriorOfFlame prior;
   result.strength = settings.strength;
   try {
     weighted.emplace(stored, *a, weight, scale, *input.unknowns, settings);
@@ -478,13 +509,18 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     // Projected gradients are slow with a strong penalty, and make little progress from 0.
     if (settings.solver == ReconstructionSolver::fista && start.empty())
       start = weighted->without_bounds(b, result.strength, watch.inner());
-    const SolverOptions last =
-        watch.watched(solver_options(settings, rows), *weighted, kSolved, 1, false);
+    const bool again = solves_ratios(input, settings);
+    const SolverOptions last = watch.watched(solver_options(settings, rows), *weighted,
+                                             again ? kFirst : kSolved, 1, false);
     const Solution solution = weighted->solve(b, result.strength, start, last, watch.inner());
-    watch.reached(kSolved);
+    watch.reached(again ? kFirst : kSolved);
     result.values = weighted->samples(solution.x);
     result.reason = solution.reason;
     for (const SolverStep& step : solution.history) result.history.push_back(step.misfit / rows);
+    if (again && *std::ranges::max_element(result.values) > 0) {
+      reached = result.values;
+      prior = solve_by_evidence(*weighted, input, settings, b, watch, result);
+    }
   } catch (const Cancelled&) {
     if (reached.empty()) throw;
     result.values = std::move(reached);
@@ -509,8 +545,12 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
     try {
       // The end of an iteration has no posterior.
       if (weighted->has_penalty()) {
+        const SolvedProblem solved =
+            prior.ratios
+                ? SolvedProblem{*prior.ratios, prior.penalty, &prior}
+                : SolvedProblem{*weighted, weighted->regularisation(result.strength), nullptr};
         const auto followed = [&](std::span<const double> change) {
-          return followed_at_places(*weighted, *input.unknowns, change, watch.inner(), result);
+          return followed_at_places(solved, *input.unknowns, change, watch.inner(), result);
         };
         if (settings.draws > 0 && settings.absorption_error > 0 && model == RowModel::source) {
           result.absorption_shift = followed(
@@ -518,10 +558,10 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           for (double& value : result.absorption_shift) value *= settings.absorption_error;
           result.absorption_error = settings.absorption_error;
         }
-        add_uncertainty(*weighted, input, settings, b, watch, result);
+        add_uncertainty(solved, input, settings, b, watch, result);
         for (std::size_t j = 0; j < result.deviation.size(); ++j)
           if (ruled.empty[j]) result.deviation[j] = result.hidden[j];
-        add_spreads(input, *weighted, settings, b, watch.inner(), result);
+        add_spreads(input, solved, settings, b, watch.inner(), result);
         if (settings.test_model) {
           std::vector<double> left = b;
           for (std::size_t i = 0; i < left.size(); ++i) left[i] -= explained[i];

@@ -106,6 +106,7 @@ ReconstructionSettings reconstruction_settings(const ReconstructRequest& request
   result.solver = request.solver;
   result.penalty_axes = smoothing_of(request);
   result.strength = request.strength.value_or(-1);
+  result.evidence = !request.strength;
   result.iterations = request.iterations;
   if (request.subsets) result.subsets = *request.subsets;
   result.relaxation = request.relaxation.value_or(-1);

@@ -193,6 +193,9 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
   if (reconstruction.strength >= 0)
     report.add("strength", readable_number(reconstruction.strength), "strength",
                reconstruction.strength);
+  if (reconstruction.ratio_strength > 0)
+    report.add("its ratios", readable_number(reconstruction.ratio_strength), "ratio_strength",
+               reconstruction.ratio_strength);
   report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
              reconstruction.chi_squared);
   if (reconstruction.absorption_error > 0)

@@ -56,6 +56,8 @@ struct ReconstructionSettings {
   /// Strength of the penalty, relative to penalty_unit(), a number without units; negative: by
   /// cross-validation (strength.h).
   double strength = -1;
+  /// Voxels are solved once more, with a prior that is as large as the flame is bright (fista).
+  bool evidence = true;
   int iterations = 300;
   int subsets = 4;         ///< of sart and osem
   double relaxation = -1;  ///< of sirt, sart and mart; negative: 1.9, 1 and 0.05
@@ -155,10 +157,13 @@ struct Reconstruction {
   std::size_t unseen = 0;  ///< unknowns that no ray meets
   std::size_t empty = 0;   ///< unknowns that dark pixels rule out
   bool stored = true;
-  bool drawn = false;              ///< rays were not kept
-  double matrix_bytes = 0;         ///< stored, or the size that it would have
-  RayError rays_error;             ///< of rows, for the finite number of rays; part of the noise
-  double strength = 0;             ///< chosen
+  bool drawn = false;       ///< rays were not kept
+  double matrix_bytes = 0;  ///< stored, or the size that it would have
+  RayError rays_error;      ///< of rows, for the finite number of rays; part of the noise
+  double strength = 0;      ///< chosen
+  /// By evidence: strength of the prior of ratios to that solution, with which the result was found
+  /// from it; 0: none.
+  double ratio_strength = 0;
   bool strength_at_end = false;    ///< of the tested range: it may be wrong
   bool explained_by_noise = true;  ///< false: chi^2 is above what noise explains
   std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
