@@ -163,6 +163,7 @@ struct FamilyTrial {
   SuspectKind wrong = SuspectKind::exposure;
   double by = 0;
   double coarser = 1;  ///< the rings by so much
+  double wider = 1;    ///< the voxels' block than the flame, across
 };
 
 /// Errors of what is lit, above 5 % of the brightest.
@@ -281,7 +282,7 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
   const int rings = static_cast<int>(14 / trial.coarser),
             heights = static_cast<int>(22 / trial.coarser);
   const double finer = 4 * trial.coarser;
-  constexpr int kAcross = 14, kUp = 16;
+  constexpr int kUp = 16;
   const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
   source = SourceFunction::band(channel.wavelength, channel.width);
   // [W/(m^3 sr)] of the light that is 1 in the flame's units.
@@ -299,12 +300,13 @@ inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
     unknowns = make_ring_unknowns(grid);
   } else {
     RegularLattice lattice;
-    across = 2 * kFlameRadius / kAcross;
+    const double half = trial.wider * kFlameRadius;
+    const int voxels = static_cast<int>(14 * trial.wider);
+    across = 2 * half / voxels;
     up = 2 * kFlameHalfHeight / kUp;
-    lattice.count = {kAcross, kAcross, kUp};
+    lattice.count = {voxels, voxels, kUp};
     lattice.index_to_world.linear = {{{{across, 0, 0}, {0, across, 0}, {0, 0, up}}}};
-    lattice.index_to_world.translation = {1 - kFlameRadius + 0.5 * across,
-                                          -kFlameRadius + 0.5 * across,
+    lattice.index_to_world.translation = {1 - half + 0.5 * across, -half + 0.5 * across,
                                           -kFlameHalfHeight + 0.5 * up};
     unknowns = make_voxel_unknowns(lattice);
   }

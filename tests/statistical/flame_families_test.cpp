@@ -144,23 +144,12 @@ TEST(FlameFamilies, VoxelsAreRatiosToAFirstSolution) {
 // Solutions without bounds have much negative light in a block that is twice as wide as the flame.
 // The search for the first solution goes on.
 TEST(FlameFamilies, TwoCamerasExplainTheirPicturesInAWideBlock) {
-  const FamilyTrial trial{Family::blobs, false, 2, 8000, 7, 0};
-  const FamilyProblem problem(trial);
-  constexpr int kAcross = 20, kUp = 16;
-  constexpr double across = 4 * kFlameRadius / kAcross, up = 2 * kFlameHalfHeight / kUp;
-  RegularLattice lattice;
-  lattice.count = {kAcross, kAcross, kUp};
-  lattice.index_to_world.linear = {{{{across, 0, 0}, {0, across, 0}, {0, 0, up}}}};
-  lattice.index_to_world.translation = {1 - 2 * kFlameRadius + 0.5 * across,
-                                        -2 * kFlameRadius + 0.5 * across,
-                                        -kFlameHalfHeight + 0.5 * up};
-  const auto wide = make_voxel_unknowns(lattice);
-  ReconstructionInput input = problem.input;
-  input.unknowns = wide.get();
-  ReconstructionSettings settings = family_settings(trial);
-  settings.draws = settings.probes = 0;
+  FamilyTrial trial{Family::blobs, false, 2, 8000, 7, 0};
+  trial.wider = 2;
+  ReconstructionSettings settings = usual_settings();
+  settings.draws = 2;
   settings.evidence = false;
-  EXPECT_LT(reconstruct(input, settings).chi_squared, 1.5);
+  EXPECT_LT(reconstruct_family(trial, settings).chi_squared, 1.5);
 }
 
 ReconstructionSettings tested() {
