@@ -530,6 +530,10 @@ class Reconstruct(CommandTest):
         self.assertNotIn("block", cut)
         self.assertIn("The block cuts the flame: ", warnings)
         self.assertRegex(warnings, r"A block about (1 m|999\.\d mm|1000 mm), .* of the size 1[0-9.]* mm, ")
+        # Much light ends at this block, and little passes beside it.
+        end, warnings = self.reconstruct(*run, "--center", "1 m, 0 m, 0 m", "--size", "12 mm, 12 mm, 26 mm", "-o", "end.vdb")
+        self.assertLess(max(end["light_outside"]), 0.01)
+        self.assertIn("The block may cut the flame: ", warnings)
 
     def test_refine_refuses_what_it_cannot_do(self):
         run = ("reconstruct", "front.toml", "--images", "front-electrons.exr", *self.REFINE, "-o", "x.vdb", "--quiet")

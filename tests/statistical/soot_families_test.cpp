@@ -66,7 +66,7 @@ CompiledScene scene_of(const Soot& soot, double across, double up) {
 }
 
 struct Outcome {
-  Errors temperature, absorption;
+  Errors temperature, absorption, emission;
 };
 
 Outcome reconstruct_soot(Family family, double electrons, std::uint64_t seed) {
@@ -107,34 +107,39 @@ Outcome reconstruct_soot(Family family, double electrons, std::uint64_t seed) {
     const Vec3 p{(at.x - 1) / kFlameRadius, at.y / kFlameRadius, at.z / kFlameHalfHeight};
     temperature.push_back(soot.temperature(p));
     absorption.push_back(soot.absorption(p));
-    emission.push_back(soot.light(p));
+    emission.push_back(absorption.back() * soot.source(temperature.back()));
   }
   const double brightest = std::ranges::max(emission);
   std::vector<char> lit;
   for (const double value : emission) lit.push_back(value > 0.05 * brightest);
   return {errors_of(found.temperature, found.temperature_deviation, temperature, lit),
-          errors_of(found.absorption, found.absorption_deviation, absorption, lit)};
+          errors_of(found.absorption, found.absorption_deviation, absorption, lit),
+          errors_of(found.emission, found.emission_deviation, emission, lit)};
 }
 
 TEST(SootFamilies, DeviationsAreTheErrors) {
-  Totals temperature, absorption;
+  Totals temperature, absorption, emission;
   for (const Family family : kFamilies) {
-    Totals own_temperature, own_absorption;
+    Totals own_temperature, own_absorption, own_emission;
     for (const int seed : {1, 2, 3}) {
       if (!in_full() && !(family == Family::blobs && seed == 2)) continue;
       const double electrons = seed == 1 ? 20000 : seed == 2 ? 5000 : 1000;
       const Outcome found = reconstruct_soot(family, electrons, static_cast<std::uint64_t>(seed));
       for (Totals* totals : {&temperature, &own_temperature}) totals->add(found.temperature);
       for (Totals* totals : {&absorption, &own_absorption}) totals->add(found.absorption);
+      for (Totals* totals : {&emission, &own_emission}) totals->add(found.emission);
     }
     if (own_temperature.count == 0) continue;
     print(name_of(family) + ", two channels, temperature", own_temperature.mean());
     print(name_of(family) + ", two channels, absorption", own_absorption.mean());
+    print(name_of(family) + ", two channels, emission", own_emission.mean());
   }
   print("**all, two channels, temperature**", temperature.mean());
   print("**all, two channels, absorption**", absorption.mean());
+  print("**all, two channels, emission**", emission.mean());
   expect_true(temperature);
   expect_true(absorption);
+  expect_true(emission);
   EXPECT_LT(temperature.mean().error, 0.03);
   EXPECT_LT(absorption.mean().error, 0.3);
 }

@@ -11,12 +11,14 @@
 namespace plenoflame {
 namespace {
 
+/// Share of its sides that a block by the pictures has beyond the light on each side; the same with
+/// blur and stray light.
+constexpr double kBeyondLight = 1.0 / 12, kBeyondBlur = 0.15;
+
 /// True if a box holds the light of another one, which is by the pictures.
-bool holds(const Box& box, const Box& other) {
-  // The block by the pictures has a twelfth of its sides beyond the light on each side. Blur and
-  // stray light may have as much.
-  constexpr double kMargin = 0.15;
-  const Vec3 margin = kMargin * (other.upper - other.lower);
+/// @param share of the sides of the other that need not be inside, on each side
+bool holds(const Box& box, const Box& other, double share) {
+  const Vec3 margin = share * (other.upper - other.lower);
   const auto side = [](double lower, double upper, double least, double most, double beyond) {
     return lower <= least + beyond && upper >= most - beyond;
   };
@@ -56,7 +58,7 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
   try {
     const Box found = block_of_light(views, measurements, box, quiet, channel);
     // Stray light passes beside every block.
-    if (!box.empty() && holds(box, found)) return {};
+    if (!box.empty() && holds(box, found, kBeyondBlur)) return {};
     return found;
   } catch (const InputError&) {
     if (box.empty() || !(length(box.upper - box.lower) > 0)) throw;
@@ -67,12 +69,15 @@ std::optional<Box> fitted_block(const UnknownsRequest& request, const Reconstruc
 std::optional<Box> uncut_block(const Reconstruction& figures, const std::vector<CameraView>& views,
                                const std::vector<Measurement>& measurements, const Box& known,
                                int channel, const Execution& execution) {
-  if (std::ranges::all_of(figures.light_outside, [](double share) { return share <= kLightCut; }))
+  // A little light may be the end of a flame, if something is wrong.
+  const bool wrong = !figures.explained_by_noise;
+  const double least = wrong ? 0 : kLightCut;
+  if (std::ranges::all_of(figures.light_outside, [&](double share) { return share <= least; }))
     return {};
   try {
     const Box found =
         block_of_light(views, measurements, known, without_reports(execution), channel);
-    if (holds(known, found)) return {};
+    if (holds(known, found, wrong ? kBeyondLight : kBeyondBlur)) return {};
     return found;
   } catch (const std::exception&) {
     return {};  // the flame stays as it is

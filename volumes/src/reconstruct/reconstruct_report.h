@@ -27,7 +27,7 @@ void report_scale(const ReconstructResult& result, const SourceFunction* source,
                   const Unknowns& unknowns, Report& report);
 
 /// The figures of a reconstruction.
-void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
-                           const Unknowns& unknowns, Report& report);
+void report_reconstruction(const ReconstructResult& result, const Unknowns& unknowns,
+                           Report& report);
 
 }  // namespace plenoflame

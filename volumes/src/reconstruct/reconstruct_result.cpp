@@ -166,8 +166,10 @@ nlohmann::json json_of(const PointSpread& spread, const Unknowns& unknowns) {
 
 }  // namespace
 
-void report_reconstruction(const Reconstruction& reconstruction, const FlameEstimate& estimate,
-                           const Unknowns& unknowns, Report& report) {
+void report_reconstruction(const ReconstructResult& result, const Unknowns& unknowns,
+                           Report& report) {
+  const Reconstruction& reconstruction = result.figures;
+  const FlameEstimate& estimate = result.estimate;
   const auto count = [](std::size_t n) { return std::to_string(n); };
   report.add("rows", count(reconstruction.rows), "rows", reconstruction.rows);
   if (reconstruction.left_out > 0)
@@ -237,13 +239,14 @@ void report_reconstruction(const Reconstruction& reconstruction, const FlameEsti
   if (reconstruction.clipped > 0)
     report.add("clipped", count(reconstruction.clipped) + " rows below 0 were taken for 0",
                "rows_clipped", reconstruction.clipped);
-  if (reconstruction.resolved_unknowns >= 0)
+  if (reconstruction.resolved_unknowns >= 0) {
+    const std::size_t all = unknowns.size() * (result.resolved_absorption.empty() ? 1 : 2);
     report.add(
         "resolved",
-        fmt::format("{:.0f} of {} unknowns ({})", reconstruction.resolved_unknowns, unknowns.size(),
-                    readable_percent(reconstruction.resolved_unknowns /
-                                     static_cast<double>(unknowns.size()))),
+        fmt::format("{:.0f} of {} unknowns ({})", reconstruction.resolved_unknowns, all,
+                    readable_percent(reconstruction.resolved_unknowns / static_cast<double>(all))),
         "resolved_unknowns", reconstruction.resolved_unknowns);
+  }
   nlohmann::json spreads = nlohmann::json::array();
   for (const PointSpread& spread : reconstruction.spreads) {
     report.add_text("point spread",

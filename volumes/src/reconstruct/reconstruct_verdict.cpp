@@ -140,6 +140,8 @@ std::vector<std::string> what_is_wrong(const ReconstructResult& result, UnknownK
           fmt::format("The block cuts the flame: {} of the light of {} passes beside it.",
                       readable_percent(figures.light_outside[v]), cameras.at(v)));
   if (result.uncut_block) {
+    if (lines.empty())
+      lines.emplace_back("The block may cut the flame: light above noise passes beside it.");
     const auto& [lower, upper] = *result.uncut_block;
     lines.push_back(fmt::format("A block about {} of the size {} holds it.",
                                 readable_point(0.5 * (lower + upper)),

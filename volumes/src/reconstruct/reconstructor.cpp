@@ -529,7 +529,7 @@ Report Reconstructor::report(const ReconstructResult& result, const std::string&
                            readable(p.z, Dimension::length), w.x, w.y, w.z),
                "axis", {{"point", {p.x, p.y, p.z}}, {"direction", {w.x, w.y, w.z}}});
   }
-  report_reconstruction(result.figures, result.estimate, *unknowns_, report);
+  report_reconstruction(result, *unknowns_, report);
   if (result.scale_error > 0) {
     const SourceFunction source = channel_source(cameras_.first().scene, cameras_.channels[0]);
     // Two unknown quantities take both channels, whose scales err apart from each other.
