@@ -4,7 +4,7 @@ list(APPEND core_sources src/render/estimators/backward.cpp src/render/tracer/pi
   src/render/visibility/camera_front.cpp src/render/run/check_settings.cpp src/render/tracer/ray_generator.cpp src/render/tracer/camera_tracer.cpp src/render/sampling/sensor_blur.cpp
   src/render/forward/forward_pixels.cpp src/render/estimators/render.cpp
   src/render/visibility/beam_bounds.cpp src/render/transport/channel_sum.cpp src/render/forward/bundle_collisions.cpp src/render/transport/phase_function.cpp src/render/transport/scatter_walk.cpp src/render/visibility/occupied_region.cpp
-  src/render/sampling/microlens_frame.cpp
+  src/render/visibility/pixel_beams.cpp src/render/sampling/microlens_frame.cpp
   src/render/visibility/scene_beams.cpp src/render/tracer/radiance_table.cpp src/render/estimators/rounds.cpp src/render/estimators/rank_tiles.cpp src/render/serve_render.cpp src/render/run/sample_plan.cpp src/render/run/run_control.cpp src/render/run/run_progress.cpp src/render/estimators/render_request.cpp src/render/visibility/aperture_cone.cpp
   src/render/paths/ground_truth.cpp
   src/render/transport/emission_proposal.cpp src/render/estimators/exposure.cpp src/render/forward/forward.cpp src/render/paths/ray_paths.cpp

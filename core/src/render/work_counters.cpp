@@ -25,6 +25,7 @@ WorkCounters& WorkCounters::operator+=(const WorkCounters& other) {
   rays += other.rays;
   rays_reached += other.rays_reached;
   pairs += other.pairs;
+  pairs_skipped += other.pairs_skipped;
   pixels_skipped += other.pixels_skipped;
   tiles += other.tiles;
   tiles_skipped += other.tiles_skipped;

@@ -245,12 +245,12 @@ TEST(Skipping, ScatteredFlamesKeepEveryBit) {
   CameraSpec ideal = camera;
   ideal.lens.model = LensModel::ideal;
   CameraSpec bare = bare_flame(200, 170, 1e-4).camera;
-  double skipped = 0, lenses = 0;
+  double skipped = 0, lenses = 0, pairs_skipped = 0, pairs = 0;
   for (const CameraSpec& spec : {camera, stopped, ideal, bare})
     for (const auto& make : {&ellipsoids, &clouds, &both}) {
       RenderSettings settings;
-      settings.samples = 8;
-      settings.control_variate = false;  // a table is filled by the rays there are
+      settings.samples = make == &ellipsoids ? 32 : 8;  // of many samples, single pixels are tested
+      settings.control_variate = false;                 // a table is filled by the rays there are
       const CompiledScene scene = scene_of(spec, make());
       const Pair p = render_both(scene, settings);
       EXPECT_GT(p.without.statistics.flux, 0);
@@ -262,8 +262,12 @@ TEST(Skipping, ScatteredFlamesKeepEveryBit) {
       EXPECT_LE(p.with.statistics.rays_reached, p.without.statistics.rays_reached);
       skipped += p.with.statistics.lenses_skipped;
       lenses += p.with.statistics.lenses;
+      pairs_skipped += p.with.statistics.pairs_skipped;
+      if (make == &ellipsoids && spec.array.present) pairs += p.with.statistics.pairs;
+      EXPECT_EQ(p.without.statistics.pairs_skipped, 0);
     }
   EXPECT_GT(skipped, 0.5 * lenses);
+  EXPECT_GT(pairs_skipped, 0.3 * pairs);
 }
 
 // Micro-images lie beside their microlenses there.

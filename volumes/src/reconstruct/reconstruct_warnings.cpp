@@ -2,16 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
 #include <string>
+#include <vector>
 
 namespace plenoflame {
 namespace {
 
+/// True if the misfit fell by more than a percent in the last tenth of the iterations.
+bool still_falls(const std::vector<double>& history) {
+  if (history.size() < 2) return false;
+  const std::size_t tenth = std::max<std::size_t>(1, history.size() / 10);
+  return history.back() < 0.99 * history[history.size() - 1 - tenth];
+}
+
 /// Reasons beside the model for pictures that are not explained.
 std::string what_else_may_be(const Reconstruction& figures, const SettingNames& names) {
-  if (figures.reason == StopReason::iterations)
+  if (figures.reason == StopReason::iterations && still_falls(figures.history))
     return "more " + names("iterations") + " may explain more, or ";
   if (figures.trials.empty() && figures.strength > 0)
     return names("strength") + " is too large, or ";

@@ -54,6 +54,8 @@ void add_skipped(const RenderStatistics& s, Report& report) {
   add(s.lenses_skipped, s.lenses, "microlenses: their beams miss the flame", "lenses_skipped");
   add(s.pixels_skipped, s.pixels_skipped + s.pairs, "pixels: their beams miss the flame",
       "pixels_skipped");
+  add(s.pairs_skipped, s.pairs_skipped + s.pairs,
+      "pixels of the other microlenses: their beams miss the flame", "pairs_skipped");
   add(s.tiles_skipped, s.tiles, "tiles: no beam meets the flame", "tiles_skipped");
   add(s.medium.skipped_empty, s.medium.skipped_empty + s.medium.cells, "steps: empty bricks",
       nullptr);

@@ -28,6 +28,7 @@ struct WorkCounters {
   /// Rays that left the camera towards the scene (forward: arrived on the sensor).
   double rays_reached = 0;
   double pairs = 0;           ///< pixels x microlenses that cover them
+  double pairs_skipped = 0;   ///< pairs whose beams miss the flame; the lens has others
   double pixels_skipped = 0;  ///< without array: pixels whose beams miss the flame
   double tiles = 0;           ///< rendered tiles of the film, in all rounds
   double tiles_skipped = 0;   ///< tiles without any ray

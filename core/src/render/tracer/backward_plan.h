@@ -61,7 +61,9 @@ struct BackwardPlan {
   Real between_z = 0;
   Vec3 anchor;                        ///< [m] world
   const SceneBeams* beams = nullptr;  ///< nullptr: nothing is skipped
-  RadianceTable* table = nullptr;     ///< may replace the medium; single precision only
+  /// Bounds of the pixels behind a microlens; nullptr: none is skipped alone.
+  const PixelBeams* pixel_beams = nullptr;
+  RadianceTable* table = nullptr;  ///< may replace the medium; single precision only
   /// The pools that all plans of a range share, one per level. Level k has 2^-k of the points, for
   /// pixels with less worth.
   std::shared_ptr<const SobolPools> pools_of_range;

@@ -104,6 +104,9 @@ void PixelSampler<Real>::add_microlens(LensIndex lens) {
       pixels_of(camera.spec().sensor, tile_, place + distance * field, radius);
   if (pixels.width <= 0 || pixels.height <= 0) return;
   if (plan_.beams && !plan_.beams->lenses().may_meet(type, lens_place)) return;
+  beam_.reset();
+  if (plan_.pixel_beams) beam_ = plan_.pixel_beams->of(type, place);
+  if (beam_ && beam_->is_surrounded()) beam_.reset();
   generator_.draw();
   table.look_up(h, node_);
   if (node_.dark()) return;
@@ -154,6 +157,16 @@ void PixelSampler<Real>::add_rows(const KernelRows& rows) {
     lit[static_cast<std::size_t>(count)] = i;
     // Without branches, which the processor could not predict.
     count += rows_.x_width[static_cast<std::size_t>(i)] > 0 ? 1 : 0;
+  }
+  if (beam_) {
+    const auto dark = [&](int i) {
+      const auto k = static_cast<std::size_t>(i);
+      return !beam_->may_meet({rows_.x[k], rows_.y[k]});
+    };
+    const auto end = std::remove_if(lit.begin(), lit.begin() + count, dark);
+    const auto left = static_cast<int>(end - lit.begin());
+    counters_.pairs_skipped += count - left;
+    count = left;
   }
   const double half = 0.5 * rows.pitch_y + rows.blur_y;
   const int last_level = static_cast<int>(plan_.levels.size()) - 1;

@@ -1,6 +1,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "render/tracer/ray_generator.h"
 
@@ -51,6 +52,7 @@ class PixelSampler {
   /// The cuts of the target, to which queued pixels refer.
   PupilNode node_;
   CutColumn whole_{};
+  std::optional<PixelBeam> beam_;  ///< of the target's pixels
   PixelRows rows_;
 };
 

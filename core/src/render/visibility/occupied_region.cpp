@@ -144,6 +144,11 @@ OccupiedRegion::OccupiedRegion(const Camera& camera, const std::vector<Box>& wor
     to_lit_.push_back(std::max(0.0, (1 - kSingle) * d - diagonal));
 }
 
+bool OccupiedRegion::holds(Vec2 p) const {
+  return p.x > lower_.x && p.x < upper_.x && p.y > lower_.y && p.y < upper_.y &&
+         !(to_lit_[place_of(p)] > 0);
+}
+
 std::size_t OccupiedRegion::place_of(Vec2 p) const {
   const auto place = [](double at) {
     return static_cast<std::size_t>(std::min(std::max(at, 0.0), kSide - 1.0));

@@ -28,6 +28,11 @@ class OccupiedRegion {
   /// @param centre camera x, y [m] @param radius [m]
   bool meets(const Vec2 centre[2], double radius) const;
 
+  /// Tells whether a line parallel to the axis meets something, or nearly so. A beam through this
+  /// point needs no further test.
+  /// @param p camera x, y [m]
+  bool holds(Vec2 p) const;
+
  private:
   static constexpr int kSide = 128;
   bool is_beyond(Vec2 centre, double radius) const;

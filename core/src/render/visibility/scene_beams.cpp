@@ -26,7 +26,9 @@ std::unique_ptr<const SceneBeams> SceneBeams::make(const CompiledScene& scene,
 }
 
 SceneBeams::SceneBeams(const CompiledScene& scene, const std::vector<Box>& lit)
-    : region_(scene.camera, lit), lenses_(scene.camera, scene.pupils.tables(), region_) {
+    : region_(scene.camera, lit),
+      lenses_(scene.camera, scene.pupils.tables(), region_),
+      pixels_(PixelBeams::make(scene.camera, scene.pupils.tables(), region_)) {
   if (const auto& between = scene.pupils.between())
     between_.emplace(between->camera, std::vector{between->table}, region_);
 }
