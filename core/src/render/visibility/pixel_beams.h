@@ -77,8 +77,8 @@ class PixelBeam {
  public:
   /// @param pixel its centre, from the microlens' centre, camera x, y [m]
   bool may_meet(Vec2 pixel) const;
-  /// Tells whether something lies behind the rim of the micro-image all around: most likely all
-  /// pixels meet it, and a test of each would be in vain.
+  /// Tells whether something lies behind the rim of the micro-image all around. Most likely all
+  /// pixels meet it, and tests of them would be in vain.
   bool is_surrounded() const;
 
  private:
