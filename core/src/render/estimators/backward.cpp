@@ -260,15 +260,16 @@ bool in_single_precision(const CompiledScene& scene, const RenderSettings& setti
 }
 
 /// Tells whether a test of single pixels may save time. It takes about 10 ms at the start, and as
-/// long as a few rays for each pixel at the flame's rim.
-bool tests_pixels(const CompiledScene& scene, const RenderSettings& settings) {
+/// long as a few rays for each pixel at the flame's rim. Only values that all ranks have decide.
+bool tests_pixels(const CompiledScene& scene, const RenderSettings& settings, int points) {
   constexpr double kLeastRays = 1e7;
   constexpr int kLeastSamples = 32;
   const SensorSpec& sensor = scene.camera.spec().sensor;
   const PixelWindow& window = settings.window;
   const double pixels = window.width > 0 ? static_cast<double>(window.width) * window.height
                                          : static_cast<double>(sensor.columns) * sensor.rows;
-  return settings.samples >= kLeastSamples && pixels * settings.samples > kLeastRays;
+  const int samples = points * settings.replicates;
+  return samples >= kLeastSamples && pixels * samples > kLeastRays;
 }
 
 /// The radiance table for a scene; nullptr if the settings exclude it or if it would not save time.
@@ -329,7 +330,7 @@ void BackwardPass::make_plans(const CompiledScene& scene, const RenderSettings& 
     plan->takes_lines = of_path.takes_lines;
     if constexpr (std::is_same_v<Real, float>) plan->table = of_path.table.get();
     plan->beams = of_path.beams.get();
-    if (plan->beams && tests_pixels(scene.paths()[p], settings))
+    if (plan->beams && tests_pixels(scene.paths()[p], settings, ranges[range].points))
       plan->pixel_beams = plan->beams->pixels();
     plans[range][p] = std::move(plan);
   });
