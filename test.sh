@@ -49,11 +49,13 @@ recall() {
 
 say() { printf '\n=== %s (%d s)\n' "$1" "$SECONDS"; }
 
+is_passed() { grep -qxF "$1" "$passed"; }
+
 # stage NAME COMMAND...: what is not a CTest run counts as one test. A status of 77 skips it.
 stage() {
   local name=$1 status=0
   shift
-  if grep -qxF "stage $name" "$passed"; then
+  if is_passed "stage $name"; then
     before=$((before + 1))
     return 0
   fi
@@ -127,6 +129,17 @@ build() {
   tail -n 1 "$logs/build-${folder##*/}.log"
 }
 
+# The run in a bare Debian, which was begun beside the build.
+bare_run=
+end_of_bare() {
+  local status=0
+  wait "$bare_run" || status=$?
+  bare_run=
+  cat "$logs/bare.log"
+  return "$status"
+}
+trap '[ -z "$bare_run" ] || kill "$bare_run"' EXIT
+
 summary() {
   local percent=$((total > 0 ? 100 * (total - failed) / total : 0))
   [ "$before" -eq 0 ] || printf '\nNot run again: %d tests that have passed on this very tree.\n' "$before"
@@ -164,12 +177,17 @@ if [ "$setup" = yes ]; then
 fi
 
 stage "format" tools/format.sh --check || true
+# Much of its time it waits for packages: beside the build. It would change the times that tests measure.
+if [ "$quick" = no ] && ! is_passed "stage bare Debian"; then
+  tests/bare/run.sh "${bare[@]}" >"$logs/bare.log" 2>&1 &
+  bare_run=$!
+fi
+built=no
+if stage "build: release" build release "$release_without"; then built=yes; fi
 if [ "$quick" = no ]; then
-  stage "bare Debian" tests/bare/run.sh "${bare[@]}" || true
+  stage "bare Debian" end_of_bare || true
 fi
-if stage "build: release" build release "$release_without"; then
-  run_tests release -LE "$release_without"
-fi
+[ "$built" = no ] || run_tests release -LE "$release_without"
 if [ "$all" = yes ]; then
   stage "build: core alone" build core-only "" || true
   # What developers build: file by file, and no precompiled header hides a missing include.

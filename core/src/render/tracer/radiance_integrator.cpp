@@ -2,18 +2,37 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <type_traits>
 #include <utility>
 
+#include "plenoflame/sampling/sobol.h"
 #include "render/run/run_control.h"
 #include "render/transport/channel_sum.h"
 
 namespace plenoflame {
 namespace {
 
-constexpr int kLeastTablePoints = 8;  ///< of a replicate; with fewer, every ray is integrated
-/// One of this number of points corrects the table, in smooth and in fair places.
-constexpr int kSmoothPoints = 16, kFairPoints = 4;
+/// Which rays of a pixel correct the table, and how much each of them counts.
+struct Corrections {
+  int rays;      ///< of each replicate, the first ones, which are well spread by themselves
+  float factor;  ///< of each
+};
+/// @param one_of rays that one stands for
+Corrections corrections(int points, int one_of) {
+  if (points < one_of) return {1, static_cast<float>(one_of)};  // where is_corrected()
+  const int rays = (points + one_of - 1) / one_of;
+  return {rays, static_cast<float>(points) / static_cast<float>(rays)};
+}
+
+/// Tells whether a replicate of fewer than `one_of` rays corrects the table. The chance is points /
+/// one_of for each pixel, replicate and range.
+bool is_corrected(const PixelRays& pixel, int replicate, std::uint32_t range, int one_of) {
+  const std::uint64_t key = (std::uint64_t{range} << 32) + static_cast<std::uint64_t>(replicate);
+  const std::uint64_t random = mix64(key ^ mix64(pixel.random)) >> 32;
+  return random * static_cast<std::uint64_t>(one_of) >> 32 <
+         static_cast<std::uint64_t>(pixel.points);
+}
 
 }  // namespace
 
@@ -90,27 +109,33 @@ void RadianceIntegrator<Real>::filter(const TracedRays<Real>& rays) {
                       rays.padded);
 }
 
-/// Corrects the table with the first points of each replicate in a pixel, which are well spread by
-/// themselves.
-/// @return false without a table, or with too few points for it
+/// Integrates rays by the table, which some of them correct.
+/// @return false without a table, or with too few samples for it
 template <class Real>
 bool RadianceIntegrator<Real>::integrate_by_table([[maybe_unused]] const TracedRays<Real>& rays) {
   if constexpr (std::is_same_v<Real, float>) {
-    if (!plan_.table || plan_.pools().front().points() < kLeastTablePoints) return false;
+    if (!plan_.table) return false;
+    const SobolPool& pool = plan_.pools().front();
+    if (pool.replicates() * pool.points() < plan_.table->least_samples()) return false;
     if (!table_worker_) table_worker_ = std::make_unique<RadianceTable::Worker>(*plan_.table);
-    const auto set = [&](float* factors, int per_correction) {
+    const auto set = [&](float* factors, int one_of) {
       std::fill_n(factors, rays.padded, 0.F);
       for (const PixelRays& pixel : rays.pixels) {
         const int points = pixel.points;
-        const int corrected =
-            points < kLeastTablePoints ? points : (points + per_correction - 1) / per_correction;
-        const float factor = static_cast<float>(points) / static_cast<float>(corrected);
-        for (int i = 0; i < pixel.count; ++i)
-          if ((pixel.offset + i) % points < corrected) factors[pixel.first + i] = factor;
+        const auto [corrected, factor] = corrections(points, one_of);
+        int left = 0;
+        for (int i = 0; i < pixel.count; i += left) {
+          const int place = (pixel.offset + i) % points, replicate = (pixel.offset + i) / points;
+          left = std::min(points - place, pixel.count - i);
+          if (points < one_of && !is_corrected(pixel, replicate, plan_.points.first, one_of))
+            continue;
+          const int until = std::min(left, corrected - place);
+          for (int k = 0; k < until; ++k) factors[pixel.first + i + k] = factor;
+        }
       }
     };
-    set(transmittance_, kSmoothPoints);  // nothing else needs this array here
-    set(fair_factor_, kFairPoints);
+    set(transmittance_, RadianceTable::kSmoothRays);  // nothing else needs this array here
+    set(fair_factor_, RadianceTable::kFairRays);
     table_worker_->integrate(
         {&rays.block, rays.padded, transmittance_, fair_factor_, radiance_, kPaddedBlock},
         counters_.medium);

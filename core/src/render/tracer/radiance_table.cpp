@@ -14,8 +14,12 @@ constexpr int kBlockNodes = (kBlockCells + 1) * (kBlockCells + 1);
 constexpr double kStepsPerFeature = 1;   ///< table nodes per voxel
 constexpr int kMostPupilNodes = 9;       ///< in each direction
 constexpr double kMostFloats = 1 << 27;  ///< 512 MB if all blocks were filled
-/// A linear table misses rise^2 / 8 of a function that begins like a square root: 1 % and 6 %.
-constexpr float kSmooth = 0.25F, kFair = 0.7F;
+/// A linear table misses rise^2 / 8 of a function that begins like a square root: 3 % and 25 %. If
+/// one ray stands for n, less than 1 / n may be missing, or the pixel would be negative.
+constexpr float kSmooth = 0.5F, kFair = 1.4F;
+static_assert(kSmooth * kSmooth <= 8.F / RadianceTable::kSmoothRays &&
+              kFair * kFair <= 8.F / RadianceTable::kFairRays);
+constexpr double kRaysPerNode = 2;     ///< fewer would not make up for filling the table
 constexpr double kPupilMargin = 1.05;  ///< for aberrations of the pupil
 constexpr int kStride = kBlockRays + 2 * kBlockSlack;
 
@@ -103,7 +107,16 @@ std::unique_ptr<RadianceTable> RadianceTable::make(const Camera& camera, const M
   kernel.block_stride = kernel.channels * kernel.channel_stride;
   kernel.smooth = kSmooth;
   kernel.fair = kFair;
-  return std::unique_ptr<RadianceTable>(new RadianceTable(medium, anchor, options, kernel));
+  std::unique_ptr<RadianceTable> table(new RadianceTable(medium, anchor, options, kernel));
+  const SensorSpec& sensor = camera.spec().sensor;
+  const Vec2 size = sensor.size();
+  const double image_scale = lens.focal_length / -to_pupil;
+  const double pixels = std::min((right - left) * image_scale, size.x) *
+                        std::min((bottom - top) * image_scale, size.y) /
+                        (sensor.pixel().x * sensor.pixel().y);
+  table->least_samples_ =
+      kRaysPerNode * blocks_a * blocks_b * kernel.channel_stride / std::max(pixels, 1.0);
+  return table;
 }
 
 RadianceTable::RadianceTable(const Medium& medium, Vec3 anchor, const MediumOptions& options,

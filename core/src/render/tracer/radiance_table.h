@@ -30,6 +30,12 @@ class RadianceTable {
   /// Keeps a medium that was made for this table.
   void keep(std::unique_ptr<const Medium> medium) { kept_ = std::move(medium); }
 
+  /// One of this number of rays corrects the table, in smooth and in fair places.
+  static constexpr int kSmoothRays = 32, kFairRays = 4;
+
+  /// Samples per pixel from which on filling the table pays.
+  double least_samples() const { return least_samples_; }
+
   /// Rays of a block (KernelBlock), relative to the anchor.
   struct Request {
     const KernelBlock<float>* rays;
@@ -76,6 +82,7 @@ class RadianceTable {
   Vec3 anchor_;
   MediumOptions options_;
   KernelRadianceTable kernel_;
+  double least_samples_ = 0;
   /// Memory that stays untouched until it is filled.
   std::unique_ptr<float[]> nodes_;
   std::unique_ptr<std::atomic<bool>[]> filled_;

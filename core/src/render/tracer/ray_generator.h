@@ -36,7 +36,8 @@ class RayGenerator {
     const SampleLevel& level;
     int entry, first, count;
   };
-  [[gnu::always_inline]] void queue(int column, int row, const Points& points, std::uint64_t key);
+  [[gnu::always_inline]] void queue(int column, int row, const Points& points,
+                                    const PairRandom& random);
   void flush_keeping(const KernelPixel<Real>& made);
 
   const BackwardPlan<Real>& plan_;
@@ -61,7 +62,7 @@ class RayGenerator {
 
 template <class Real>
 inline void RayGenerator<Real>::queue(int column, int row, const Points& points,
-                                      std::uint64_t key) {
+                                      const PairRandom& random) {
   const SobolPool& pool = *points.level.pool;
   KernelPixel<Real>& made = pixel();
   for (int d = 0; d < SobolPool::kDimensions; ++d) {
@@ -81,11 +82,12 @@ inline void RayGenerator<Real>::queue(int column, int row, const Points& points,
   pending.offset = points.first;
   pending.points = pool.points();
   pending.log2_points = points.level.log2_points;
+  pending.random = static_cast<std::uint32_t>(random[2]);  // the upper half chose the entry
   pending.scale = points.level.scale;
   log2_points_ = std::max(log2_points_, points.level.log2_points);
   if (keeps_groups_) [[unlikely]]
     groups_.push_back(
-        {count_, points.count, points.first, points.level.pool_level, points.entry, key});
+        {count_, points.count, points.first, points.level.pool_level, points.entry, random[0]});
   count_ += points.count;
 }
 
@@ -110,12 +112,12 @@ inline void RayGenerator<Real>::add(int column, int row, const SampleLevel& leve
   // not depend on neighbours, because results must not depend on the window.
   if (count_ + std::min(total, kBlockRays) > kBlockRays) [[unlikely]]
     flush_keeping(pixel());
-  queue(column, row, {level, entry, 0, std::min(total, kBlockRays)}, random[0]);
+  queue(column, row, {level, entry, 0, std::min(total, kBlockRays)}, random);
   for (int first = kBlockRays; first < total; first += kBlockRays) {
     const KernelPixel<Real> each = queued_.front();
     flush();  // the pixel was alone in the block, and will be in the next
     pixel() = each;
-    queue(column, row, {level, entry, first, std::min(total - first, kBlockRays)}, random[0]);
+    queue(column, row, {level, entry, first, std::min(total - first, kBlockRays)}, random);
   }
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,10 +13,11 @@ namespace plenoflame {
 /// Rays of one pixel that are consecutive in a block.
 struct PixelRays {
   int column, row, first, count;
-  int offset;       ///< number of the first ray among those of pixel and microlens
-  int points;       ///< rays per replicate, one replicate after the other
-  int log2_points;  ///< points are 2^this if they are 1, 2, 4 or 8; else -1
-  double scale;     ///< factor on their sum
+  int offset;            ///< number of the first ray among those of pixel and microlens
+  int points;            ///< rays per replicate, one replicate after the other
+  int log2_points;       ///< points are 2^this if they are 1, 2, 4 or 8; else -1
+  std::uint32_t random;  ///< bits of pixel, microlens and seed that chose none of the rays
+  double scale;          ///< factor on their sum
 };
 
 inline constexpr int kMostLog2Points = 3;
