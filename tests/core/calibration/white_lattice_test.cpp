@@ -173,7 +173,7 @@ ArrayFit fit_of(const CameraSpec& nominal, const std::vector<Vec2>& centres, boo
 // true to counts more for it.) Fails when the noise of all is stated for a fit to the centres of
 // some.
 TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
-  constexpr int kDraws = 20;
+  constexpr int kDraws = 10;
   constexpr double kNoise = 0.1;  // [pixel] per axis
   const CameraSpec camera = large_camera(1e-3);
   const std::vector<Vec2> exact = exact_centres(camera);
@@ -193,7 +193,7 @@ TEST(WhiteLattice, StatedErrorsAreTheScatterOfDraws) {
                               (found.tilt.y - truth.tilt.y) / fit.tilt_error.y})
       squares += pull * pull / (5 * kDraws);
   }
-  // The mean of 100 squares scatters by sqrt(2 / 100): four of that.
+  // The mean of 50 squares scatters by sqrt(2 / 50): four of that.
   EXPECT_TRUE(relative(squares, 1.0, 4 * std::sqrt(2.0 / (5 * kDraws))));
 }
 

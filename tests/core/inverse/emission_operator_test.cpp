@@ -245,7 +245,9 @@ TEST_P(DrawnAgain, HasTheBitsOfKeptRaysAndHoldsNone) {
   const std::vector<double> ax = *a * x, aty = transposed_times(*a, y);
   const CsrMatrix<float> matrix = make_emission_matrix(of_kept, three);
   const auto replicates = replicate_fluxes(of_kept, x, three);
-  for (const Execution& execution : {one, three}) {
+  std::vector<Execution> executions{three};
+  if (GetParam().samples == 4) executions.push_back(one);
+  for (const Execution& execution : executions) {
     const auto b = make_emission_operator(of_drawn, execution);
     EXPECT_EQ(ax, *b * x);
     EXPECT_EQ(aty, transposed_times(*b, y));
