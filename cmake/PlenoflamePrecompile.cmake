@@ -14,5 +14,8 @@ function(plenoflame_precompile target)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
     # The compiler cache wants the first; GCC 12 takes inlined std::string of a precompiled header for an overflow.
     target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-array-bounds -Wno-stringop-overread)
+    if(NOT PLENOFLAME_COMPILE_TOGETHER)
+      target_compile_options(${target} PRIVATE -Wno-stringop-overflow)  # the same, file by file
+    endif()
   endif()
 endfunction()

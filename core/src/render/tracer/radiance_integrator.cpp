@@ -13,6 +13,9 @@
 namespace plenoflame {
 namespace {
 
+/// One of this number of rays corrects the table, in smooth and in fair places.
+constexpr int kSmoothRays = 16, kFairRays = 4;
+
 /// Which rays of a pixel correct the table, and how much each of them counts.
 struct Corrections {
   int rays;      ///< of each replicate, the first ones, which are well spread by themselves
@@ -134,8 +137,8 @@ bool RadianceIntegrator<Real>::integrate_by_table([[maybe_unused]] const TracedR
         }
       }
     };
-    set(transmittance_, RadianceTable::kSmoothRays);  // nothing else needs this array here
-    set(fair_factor_, RadianceTable::kFairRays);
+    set(transmittance_, kSmoothRays);  // nothing else needs this array here
+    set(fair_factor_, kFairRays);
     table_worker_->integrate(
         {&rays.block, rays.padded, transmittance_, fair_factor_, radiance_, kPaddedBlock},
         counters_.medium);

@@ -30,9 +30,6 @@ class RadianceTable {
   /// Keeps a medium that was made for this table.
   void keep(std::unique_ptr<const Medium> medium) { kept_ = std::move(medium); }
 
-  /// One of this number of rays corrects the table, in smooth and in fair places.
-  static constexpr int kSmoothRays = 32, kFairRays = 4;
-
   /// Samples per pixel from which on filling the table pays.
   double least_samples() const { return least_samples_; }
 
