@@ -15,7 +15,7 @@ function(plenoflame_precompile target)
     # The compiler cache wants the first; GCC 12 takes inlined std::string of a precompiled header for an overflow.
     target_compile_options(${target} PRIVATE -fpch-preprocess -Wno-array-bounds -Wno-stringop-overread)
     if(NOT PLENOFLAME_COMPILE_TOGETHER)
-      target_compile_options(${target} PRIVATE -Wno-stringop-overflow)  # the same, file by file
+      target_compile_options(${target} PRIVATE -Wno-stringop-overflow -Wno-restrict)  # the same, file by file
     endif()
   endif()
 endfunction()
