@@ -164,7 +164,7 @@ TEST(MajorantGrid, PlacesFollowTheLawOfExtinction) {
         MediumOptions options;
         const double tau = [&] {  // of the node: by steps far below a voxel
           double sum = 0;
-          constexpr int kSteps = 4000;
+          constexpr int kSteps = 20000;
           const RaySpan span = clip_to_box(box, rays[r], near, t);
           if (span.empty()) return 0.0;
           const double step = (span.far - span.near) / kSteps;

@@ -14,8 +14,8 @@ constexpr int kBlockNodes = (kBlockCells + 1) * (kBlockCells + 1);
 constexpr double kStepsPerFeature = 1;   ///< table nodes per voxel
 constexpr int kMostPupilNodes = 9;       ///< in each direction
 constexpr double kMostFloats = 1 << 27;  ///< 512 MB if all blocks were filled
-/// A linear table misses rise^2 / 8 of a function that begins like a square root, 0.2 % and 3 %,
-/// and more between the coarse voxels of a rough flame.
+/// A linear table misses rise^2 / 8 of a function that begins like a square root, 0.2 % and 3 %.
+/// Between the coarse voxels of a rough flame it misses more.
 constexpr float kSmooth = 0.125F, kFair = 0.5F;
 constexpr double kRaysPerNode = 2;     ///< fewer would not make up for filling the table
 constexpr double kPupilMargin = 1.05;  ///< for aberrations of the pupil
