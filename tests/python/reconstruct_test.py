@@ -4,6 +4,7 @@ import gc
 import os
 import shutil
 import signal
+import subprocess
 import sys
 import threading
 import unittest.mock
@@ -97,6 +98,9 @@ class Reconstruct(PackageTest):
         scene["channels[0].width"] = "30 nm"
         zero = numpy.zeros(shape, dtype=numpy.float32)
         flame = plenoflame.flame_from_arrays(zero + 300, zero, spacing=step, origin=origin, **{"CH*": glow})
+        plenoflame.write_flame(self.folder / "glow.vdb", flame)
+        (self.folder / "glow.toml").write_text(
+            scene.text + '\n[[flames]]\nkind = "vdb"\nfile = "glow.vdb"\n[[flames.lines]]\nkind = "ch"\n')
         scene.add_flame(flame, lines=["ch"])
         operator = scene.operator(grid=shape, center=[o + step * (n - 1) / 2 for o, n in zip(origin, shape)],
                                   size=[step * n for n in shape], rays=8, seed=3)
@@ -110,11 +114,12 @@ class Reconstruct(PackageTest):
             numpy.add.at(traced, (block.pixel[:, 1], block.pixel[:, 0]), block.etendue * block.radiance[:, 0])
         self.assertGreater(numpy.count_nonzero(traced), 1000)
         numpy.testing.assert_allclose(product, traced, rtol=1e-6)
-        # Its picture, in single precision and with its table of radiance: the same rays, so within its errors.
-        rendered = scene.render(8, seed=3)
+        # Its picture, in single precision: the same rays, so well within their errors.
+        subprocess.run([os.environ["PLENOFLAME_COMMAND"], "render", "glow.toml", "--samples", "8", "--seed", "3", "-o", "glow.exr",
+                        "--no-control-variate", "--quiet"], cwd=self.folder, check=True)
+        rendered = plenoflame.read_light_field(self.folder / "glow.exr")
         known = rendered.error > 0
-        difference = (product - rendered.flux)[known]
-        self.assertLess((difference ** 2).sum(), (rendered.error[known] ** 2).sum())
+        self.assertLess((numpy.abs(product - rendered.flux)[known] / rendered.error[known]).max(), 0.5)
 
     def test_scipys_solvers_find_what_ours_do(self):
         operator = self.small.operator(unknowns="rings", grid=(3, 4), rays=8)
