@@ -151,6 +151,14 @@ class Reconstruct(CommandTest):
         self.assertGreater(coarse, 0.15, found)
         self.assertLess(abs(fine / coarse - 1), 0.05, found)
 
+    def test_what_may_help_where_noise_does_not_explain_the_pictures(self):
+        """Iterations, if the misfit still falls; else a weaker penalty, if the strength was given."""
+        common = (*self.RINGS, "--absorption", "scene", "--draws", "0", "--probes", "0", "-o", "x.vdb")
+        _, early = self.reconstruct(*common, "--strength", "1e-4", "--iterations", "4")
+        _, smooth = self.reconstruct(*common, "--strength", "1", "--iterations", "2000")
+        self.assertRegex(early, r"noise does not explain [^\n]*: more --iterations may explain more")
+        self.assertRegex(smooth, r"noise does not explain [^\n]*: --strength is too large")
+
     def test_strengths_and_reports(self):
         found, _ = self.reconstruct(*self.RINGS, "--draws", "4", "--probes", "2", "--truth",
                                     "-o", "rule.vdb", "--report", "rule.html", "--report", "rule.txt",

@@ -17,6 +17,7 @@
 #include "plenoflame/lightfield/smoothed_error.h"
 #include "plenoflame/render/render.h"
 #include "plenoflame/sampling/noise.h"
+#include "support/length.h"
 #include "support/small_scene.h"
 
 /// Families of flames that are drawn at random, their pictures, and what a reconstruction says of
@@ -162,7 +163,7 @@ struct FamilyTrial {
   /// much.
   SuspectKind wrong = SuspectKind::exposure;
   double by = 0;
-  double coarser = 1;  ///< the rings by so much
+  double coarser = 1;  ///< the places by so much
   double wider = 1;    ///< the voxels' block than the flame, across
 };
 
@@ -247,16 +248,56 @@ inline GlowingGrid fine_grid(const FamilyTrial& trial, const Flame& flame, doubl
   return g;
 }
 
+/// What a trial solves for, and the steps of its places.
+struct FamilyGrid {
+  std::unique_ptr<Unknowns> unknowns;
+  double across = 0, up = 0;  ///< [m]
+  double finer = 4;           ///< the grid of the pictures, by so much
+};
+
+inline FamilyGrid family_grid(const FamilyTrial& trial) {
+  FamilyGrid result;
+  result.finer = 4 * trial.coarser;
+  if (trial.rings) {
+    RingGrid grid;
+    grid.rings = static_cast<int>(14 / trial.coarser);
+    grid.heights = static_cast<int>(22 / trial.coarser);
+    result.across = grid.radial_step = kFlameRadius / grid.rings;
+    result.up = grid.height_step = 2 * kFlameHalfHeight / (grid.heights - 1);
+    grid.base = {1, 0, -kFlameHalfHeight};
+    result.unknowns = make_ring_unknowns(grid);
+    return result;
+  }
+  const double half = trial.wider * kFlameRadius;
+  const int voxels = static_cast<int>(14 * trial.wider / trial.coarser),
+            heights = static_cast<int>(16 / trial.coarser);
+  const double across = result.across = 2 * half / voxels,
+               up = result.up = 2 * kFlameHalfHeight / heights;
+  RegularLattice lattice;
+  lattice.count = {voxels, voxels, heights};
+  lattice.index_to_world.linear = {{{{across, 0, 0}, {0, across, 0}, {0, 0, up}}}};
+  lattice.index_to_world.translation = {1 - half + 0.5 * across, -half + 0.5 * across,
+                                        -kFlameHalfHeight + 0.5 * up};
+  result.unknowns = make_voxel_unknowns(lattice);
+  return result;
+}
+
+/// The cameras' scene without flames: one of some that stand around it.
+inline Scene family_scene(int camera, int of) {
+  const double turn = camera * std::numbers::pi / std::max(of, 2);
+  Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
+  scene.camera.sensor = {40, 60, 0.25e-3};
+  scene.camera.position = {1 - std::cos(turn), -std::sin(turn), 0};
+  scene.camera.look_direction = {std::cos(turn), std::sin(turn), 0};
+  return scene;
+}
+
 inline std::vector<CompiledScene> family_scenes(const FamilyTrial& trial,
                                                 const ChannelSpec& channel,
                                                 const GlowingGrid& grid) {
   std::vector<CompiledScene> scenes;
   for (int n = 0; n < trial.cameras; ++n) {
-    const double turn = n * std::numbers::pi / std::max(trial.cameras, 2);
-    Scene scene = small_scene(singlet(), large_array(Lattice::hexagonal, LensModel::real));
-    scene.camera.sensor = {40, 60, 0.25e-3};
-    scene.camera.position = {1 - std::cos(turn), -std::sin(turn), 0};
-    scene.camera.look_direction = {std::cos(turn), std::sin(turn), 0};
+    Scene scene = family_scene(n, trial.cameras);
     scene.flames = {glowing_flame(channel.wavelength)};
     scene.channels = {channel};
     scenes.push_back(compile(scene, glowing_loader(grid)));
@@ -279,38 +320,16 @@ struct FamilyProblem {
 };
 
 inline FamilyProblem::FamilyProblem(const FamilyTrial& trial) {
-  const int rings = static_cast<int>(14 / trial.coarser),
-            heights = static_cast<int>(22 / trial.coarser);
-  const double finer = 4 * trial.coarser;
-  constexpr int kUp = 16;
   const ChannelSpec channel{"650nm", ChannelKind::band, 650e-9, 10e-9};
   source = SourceFunction::band(channel.wavelength, channel.width);
   // [W/(m^3 sr)] of the light that is 1 in the flame's units.
   const double unit = trial.absorption > 0 ? trial.absorption * source(kHottest) : 1000;
   const Flame plain = draw_flame(trial.family, trial.rings, trial.seed);
   flame = [=](Vec3 p) { return unit * plain(p); };
-  double across = 0, up = 0;
-  if (trial.rings) {
-    RingGrid grid;
-    across = grid.radial_step = kFlameRadius / rings;
-    up = grid.height_step = 2 * kFlameHalfHeight / (heights - 1);
-    grid.base = {1, 0, -kFlameHalfHeight};
-    grid.rings = rings;
-    grid.heights = heights;
-    unknowns = make_ring_unknowns(grid);
-  } else {
-    RegularLattice lattice;
-    const double half = trial.wider * kFlameRadius;
-    const int voxels = static_cast<int>(14 * trial.wider);
-    across = 2 * half / voxels;
-    up = 2 * kFlameHalfHeight / kUp;
-    lattice.count = {voxels, voxels, kUp};
-    lattice.index_to_world.linear = {{{{across, 0, 0}, {0, across, 0}, {0, 0, up}}}};
-    lattice.index_to_world.translation = {1 - half + 0.5 * across, -half + 0.5 * across,
-                                          -kFlameHalfHeight + 0.5 * up};
-    unknowns = make_voxel_unknowns(lattice);
-  }
-  scenes = family_scenes(trial, channel, fine_grid(trial, flame, across / finer, up / finer));
+  FamilyGrid grid = family_grid(trial);
+  unknowns = std::move(grid.unknowns);
+  scenes = family_scenes(trial, channel,
+                         fine_grid(trial, flame, grid.across / grid.finer, grid.up / grid.finer));
   input.unknowns = unknowns.get();
   if (trial.absorption > 0) input.absorption.assign(unknowns->size(), trial.absorption);
   for (std::size_t v = 0; v < scenes.size(); ++v) {

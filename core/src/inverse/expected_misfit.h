@@ -10,10 +10,13 @@ inline double expected_misfit(double rows) {
   return rows * (1 + 2 * std::sqrt(2 / rows));
 }
 
-/// True if noise explains a misfit: within five standard deviations of chi^2, or 5 %, which a
-/// search for the strength may leave.
+/// Noise explains a misfit that is larger than the number of rows by this share: five standard
+/// deviations of chi^2, or 5 %.
+inline double margin_of_noise(double rows) {
+  return std::max(5 * std::sqrt(2 / rows), 0.05);
+}
 inline bool explained_by_noise(double misfit, double rows) {
-  return misfit <= rows * (1 + std::max(5 * std::sqrt(2 / rows), 0.05));
+  return misfit <= rows * (1 + margin_of_noise(rows));
 }
 
 /// Independent errors among the rows: at most five for each unknown. Errors of a lattice are shared

@@ -21,7 +21,6 @@
 #include "plenoflame/inverse/light_behind.h"
 #include "plenoflame/inverse/penalty.h"
 #include "plenoflame/inverse/posterior_chain.h"
-#include "plenoflame/inverse/strength.h"
 #include "plenoflame/inverse/thermal_model.h"
 #include "plenoflame/inverse/uncertainty.h"
 
@@ -30,14 +29,7 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr StrengthRange kRange{1e-8, 10, 3, 2, 200};
-/// Strengths are compared on linearisations about solutions of kTrialSteps steps; the first steps
-/// use kFirstStrength.
-constexpr int kLinearisations = 3, kTrialSteps = 4;
-/// A linearisation is valid for strengths weaker or stronger than its own by up to this factor.
-constexpr double kTrusted = 10;
-constexpr double kTrialChange = 1e-3, kFirstStrength = 1e-4;
-constexpr double kTrialAccuracy = 1e-5;
+constexpr double kFirstStrength = 1e-4;
 /// Width of the Markov chain over that of the linearised problem, above which deviations are
 /// enlarged. Smaller ratios may be chance.
 constexpr double kWider = 1.2;
@@ -301,43 +293,61 @@ class ThermalSolver {
     return free;
   }
 
-  /// Strengths tried on the problem that is linearised about x_: steps that are not, for each of
-  /// them, would follow all rays again and again.
-  StrengthChoice choose_linearised(const LinearOperator& derivative, double about) const {
-    const FreeSteps steps(derivative, penalty_, free_variables());
-    std::vector<double> prior = x_, residual = thermal_fluxes(model_, physical(x_), inner_);
-    for (double& value : prior) value = -value;
-    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = b_[i] - residual[i];
-    const LinearProblem problem{&steps.moving, residual, weights_};
-    SolverOptions options;
-    options.relative_change = kTrialAccuracy;
-    StrengthRange range = kRange;
-    range.lowest = std::max(range.lowest, about / kTrusted);
-    range.highest = std::min(range.highest, about * kTrusted);
-    return choose_strength(problem, {&steps.penalty, 0, prior}, 1, range, options, inner_);
+  /// f(x_)
+  std::vector<double> explained_by(const Execution& execution) const {
+    return taken_.x == x_  ? taken_.fluxes
+           : last_.x == x_ ? last_.fluxes
+                           : thermal_fluxes(model_, physical(x_), execution);
+  }
+  /// |W (f - b)|^2
+  double misfit_of(std::span<const double> fluxes) const {
+    double sum = 0;
+    for (std::size_t i = 0; i < b_.size(); ++i)
+      if (weights_[i] > 0) sum += std::pow(weights_[i] * (fluxes[i] - b_[i]), 2);
+    return sum;
+  }
+
+  /// Squared factor of errors over those that noise alone would cause. The rest are errors
+  /// of the grid: each is one of a place, and shared by all rows that see it.
+  double square_of_errors(double misfit, double resolved) const {
+    const double all = free_chi_squared(misfit, rows_, resolved);
+    const double noise = std::min(all, 1 + margin_of_noise(rows_));
+    return noise + (all - noise) * rows_ / std::min(rows_, static_cast<double>(unknowns()));
+  }
+
+  /// A step towards the largest evidence (MacKay 1992), on the problem that is linearised about x_.
+  double strength_after(double strength) const {
+    constexpr Draws kProbes{4, 2};
+    constexpr ProbeAccuracy kRough{1000, 1e-4};
+    constexpr double kLowest = 1e-8, kHighest = 10;
+    constexpr double kSmoother = 1.5;  // by experiments: rows share errors also where chi^2 is 1
+    const auto derivative = derivative_at(x_);
+    const FreeSteps steps(*derivative, penalty_, free_variables());
+    const LinearProblem problem{&steps.moving, b_, weights_};
+    const double resolved = std::max(
+        1.0, estimate_resolution(problem, {&steps.penalty, strength}, kProbes, inner_, kRough)
+                 .resolved_unknowns);
+    const double errors = square_of_errors(misfit_of(explained_by(inner_)), resolved);
+    return std::clamp(kSmoother * errors * resolved / std::pow(norm(penalty_ * x_), 2), kLowest,
+                      kHighest);
   }
 
   void choose_and_solve() {
+    constexpr int kMostTrials = 6, kStepsOfTrial = 4;
+    constexpr double kSettled = 0.1, kShare = 0.45 / kMostTrials;
     Reconstruction& figures = result_.figures;
     double done = kStartShare, strength = settings_.linear.strength;
     if (strength < 0) {
       figures.strength = -1;  // where a stop comes before one is chosen
       strength = kFirstStrength;
-      for (int k = 0; k < kLinearisations; ++k) {
-        x_ = steps(strength, kTrialSteps, kTrialChange, done, 0.15, true).x;
-        done += 0.15;
-        const StrengthChoice choice = choose_linearised(*derivative_at(x_), strength);
-        if (inner_.stop.stop_requested()) return;
-        strength = choice.strength;
-        figures.strength_at_end = strength <= kRange.lowest || strength >= kRange.highest;
-        figures.trials.clear();
-        for (const StrengthPoint& point : choice.curve)
-          figures.trials.push_back(
-              {point.strength, point.misfit / rows_, point.penalty, point.gcv});
+      for (int k = 0; k < kMostTrials; ++k) {
+        x_ = steps(strength, kStepsOfTrial, 1e-3, done, kShare, true).x;
+        done += kShare;
+        const double before = std::exchange(strength, strength_after(strength));
+        if (std::abs(strength - before) < kSettled * before) break;
       }
     }
-    figures.strength = strength;
-    strength_ = strength;
+    strength_ = figures.strength = strength;
     const Solution solution = steps(strength_, settings_.steps, 1e-5, done, 1 - done, false);
     x_ = solution.x;
     figures.reason = solution.reason;
@@ -361,13 +371,8 @@ class ThermalSolver {
     }
     for (std::size_t j = 0; j < n; ++j)
       estimate.emission.push_back(estimate.absorption[j] * source(estimate.temperature[j]));
-    const std::vector<double> explained =
-        taken_.x == x_  ? taken_.fluxes
-        : last_.x == x_ ? last_.fluxes
-                        : thermal_fluxes(model_, values, execution_.threads_only());
-    for (std::size_t i = 0; i < b_.size(); ++i)
-      if (weights_[i] > 0)
-        figures.chi_squared += std::pow(weights_[i] * (explained[i] - b_[i]), 2) / rows_;
+    const std::vector<double> explained = explained_by(execution_.threads_only());
+    figures.chi_squared = misfit_of(explained) / rows_;
     figures.explained_by_noise = explained_by_noise(figures.chi_squared * rows_, rows_);
     std::span<const double> fluxes = explained, weights = weights_;
     for (std::size_t c = 0; c < measured_.size(); ++c) {
@@ -411,17 +416,15 @@ class ThermalSolver {
           result_.resolved_absorption.push_back(std::clamp(found.resolved[n + j], 0.0, 1.0));
       }
     }
-    const double free =
-        free_chi_squared(figures.chi_squared * rows_, rows_, figures.resolved_unknowns);
-    figures.noise_factor = std::sqrt(free);
+    const double misfit = figures.chi_squared * rows_;
+    figures.noise_factor = std::sqrt(free_chi_squared(misfit, rows_, figures.resolved_unknowns));
     if (draws < 1) return;
     figures.absorption_error = thick() ? 0 : settings_.linear.absorption_error;
     const std::vector<double> shift = shift_of(problem, penalty, figures.absorption_error);
     FlameEstimate& estimate = result_.estimate;
     const SourceFunction& source = input_.channels[0].source;
     std::vector<double> emission(n, 0.0), temperature(n, 0.0), absorption(n, 0.0);
-    const double factor =
-        deviation_factor(free, rows_, static_cast<double>(steps.moving.columns()));
+    const double factor = std::sqrt(square_of_errors(misfit, figures.resolved_unknowns));
     const double share = factor * factor / draws;
     std::vector<std::vector<double>> kept;
     const bool chained = draws >= kLeastSteps && x_.size() < kMostChained;
@@ -467,8 +470,8 @@ class ThermalSolver {
       estimate.emission_deviation.push_back(
           estimate.emission[j] * std::hypot(wider * std::sqrt(emission[j]), brighter, relative));
       if (thick())
-        estimate.absorption_deviation.push_back(
-            kappa * std::hypot(wider * std::sqrt(absorption[j]), std::min(relative, 1.0)));
+        estimate.absorption_deviation.push_back(absorption_deviation(
+            kappa, std::hypot(wider * std::sqrt(absorption[j]), std::min(relative, 1.0))));
     }
     add_hidden();
   }

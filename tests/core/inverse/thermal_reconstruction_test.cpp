@@ -168,7 +168,6 @@ TEST(ThermalReconstruction, TemperaturesOfKnownAbsorption) {
   EXPECT_EQ(found.estimate.absorption, flame.absorption);
   EXPECT_TRUE(found.estimate.absorption_deviation.empty());
   EXPECT_EQ(found.figures.residual.size(), 1u);
-  EXPECT_GE(found.figures.trials.size(), 3u);
 }
 
 // Two channels tell both, thin and thick; what the two have in common is the emission, which is
@@ -194,7 +193,7 @@ TEST(ThermalReconstruction, TemperatureAndAbsorptionOfTwoChannels) {
 // the penalty may take away.
 TEST(ThermalReconstruction, DeviationsHoldTheScatterOfRepeatedMeasurements) {
   RoundFlame flame(60);
-  flame.settings.linear.strength = 1e-5;
+  flame.settings.linear.strength = 1e-6;
   flame.settings.linear.draws = flame.settings.linear.probes = 30;
   const ThermalReconstruction stated = reconstruct_thermal(flame.input(0.0005), flame.settings);
   flame.settings.linear.draws = flame.settings.linear.probes = 0;

@@ -20,11 +20,11 @@ bool still_falls(const std::vector<double>& history) {
 }
 
 /// Reasons beside the model for pictures that are not explained.
-std::string what_else_may_be(const Reconstruction& figures, const SettingNames& names) {
+std::string what_else_may_be(const Reconstruction& figures, const ReconstructionSettings& settings,
+                             const SettingNames& names) {
   if (figures.reason == StopReason::iterations && still_falls(figures.history))
     return "more " + names("iterations") + " may explain more, or ";
-  if (figures.trials.empty() && figures.strength > 0)
-    return names("strength") + " is too large, or ";
+  if (settings.strength > 0) return names("strength") + " is too large, or ";
   return "";
 }
 
@@ -60,7 +60,7 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
   if (!figures.explained_by_noise)
     execution.warn(fmt::format(
         "noise does not explain the pictures, chi^2 per row stays at {:.3g}: {}{}",
-        figures.chi_squared, what_else_may_be(figures, names),
+        figures.chi_squared, what_else_may_be(figures, settings, names),
         figures.grid_share > kMostOfIt
             ? fmt::format("a finer grid explains {:.0f} % of the rest", 100 * figures.grid_share)
             : "the model is wrong by more than that (grid, scene, absorption)"));

@@ -11,6 +11,7 @@
 #include "outputs.h"
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/report.h"
+#include "plenoflame/math/readable.h"
 #include "plenoflame/volumes/grid_file.h"
 #include "progress_bar.h"
 #include "run.h"

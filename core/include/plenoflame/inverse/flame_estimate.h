@@ -34,6 +34,10 @@ FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknown
 /// does.
 double temperature_deviation(double temperature, double deviation, const SourceFunction& source);
 
+/// [1/m] The deviation of an absorption [1/m] whose logarithm errs by `deviation`: half of its 95 %
+/// interval, in units of that of a normal variable.
+double absorption_deviation(double absorption, double deviation);
+
 /// Adds an independent part to the deviations of emission and temperature.
 /// @param moved [W/(m^2 sr)] standard deviations of the source function, of each unknown
 void add_deviation(std::span<const double> moved, const SourceFunction& source,

@@ -61,11 +61,10 @@ struct ThermalReconstruction {
 ///
 /// Deviations and resolution are those of the linearised problem, by probing. With fewer than
 /// kMostChained variables a Markov chain checks them. If it is wider by more than a fifth,
-/// deviations are multiplied by the ratio. The strength is chosen three times, each time on the
-/// problem linearised about the latest solution. Rays are followed about ten times for any number
-/// of strengths. After a stop the result holds the temperatures of the last step, or the emission
-/// of the linear reconstruction. Filters in the pupil count as colours: one channel with parts of
-/// two colours determines both quantities.
+/// deviations are multiplied by the ratio. The strength is that of the largest evidence, on the
+/// problem linearised about the latest solution. After a stop the result holds the temperatures of
+/// the last step, or the emission of the linear reconstruction. Filters in the pupil count as
+/// colours: one channel with parts of two colours determines both quantities.
 /// @throws UsageError: absorption is unknown and there is one colour only, which determines just
 ///         the emission
 /// @throws InputError and Cancelled as reconstruct()

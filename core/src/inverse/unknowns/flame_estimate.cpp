@@ -34,6 +34,11 @@ double temperature_deviation(double temperature, double deviation, const SourceF
                   temperature_of(source, value + deviation) - temperature);
 }
 
+double absorption_deviation(double absorption, double deviation) {
+  constexpr double kInterval = 1.96, kMost = 5;
+  return absorption * std::sinh(kInterval * std::min(deviation, kMost)) / kInterval;
+}
+
 FlameEstimate estimate_flame(const Reconstruction& reconstruction, const Unknowns& unknowns,
                              const std::vector<double>& absorption, const SourceFunction& source,
                              double threshold) {
