@@ -75,7 +75,7 @@ std::span<const SettingRow<ReconstructRequest>> setting_rows() {
       {"smoothing", "A[,B,C]",
        "Weight of the penalty along each axis of the unknowns, e.g. 3,1,1 where depth is x (1,1,1)",
        &R::smoothing, between(0, 1e6)},
-      {"strength", "NUMBER", "Of the penalty; 0: none; without it, by cross-validation",
+      {"strength", "NUMBER", "Of the penalty; 0: none; without it, by cross-validation or evidence",
        &R::strength, between(0, kMostStrength)},
       {"iterations", "N", "At most, of the last solution", &R::iterations, between(1, 1000000)},
       {"subsets", "N", "Of the rows, for sart and osem (4)", &R::subsets, between(1, 1000)},

@@ -151,7 +151,7 @@ void ReconstructPanel::make_choices(QWidget* page) {
   strength_ = line("reconstructStrength", "",
                    tr("Strength of the penalty, which keeps noise out of the result, relative to "
                       "the pictures' information"));
-  strength_->setPlaceholderText(tr("by cross-validation"));
+  strength_->setPlaceholderText(tr("from the pictures"));
   noise_ = line("reconstructNoise", QString::number(ReconstructRequest().noise),
                 tr("Standard deviation that is added to each pixel's own, as a share of the "
                    "largest value: for pictures that state none"));
