@@ -248,7 +248,7 @@ inline GlowingGrid fine_grid(const FamilyTrial& trial, const Flame& flame, doubl
   return g;
 }
 
-/// What a trial solves for, and the steps of its places.
+/// A trial's unknowns and the steps between their places.
 struct FamilyGrid {
   std::unique_ptr<Unknowns> unknowns;
   double across = 0, up = 0;  ///< [m]

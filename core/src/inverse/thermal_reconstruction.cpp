@@ -29,7 +29,7 @@ namespace {
 
 /// Share of the work that the start is, for progress.
 constexpr double kStartShare = 0.4;
-constexpr double kFirstStrength = 1e-4;
+constexpr double kFirstStrength = 1e-4, kLowestStrength = 1e-8, kHighestStrength = 10;
 /// Width of the Markov chain over that of the linearised problem, above which deviations are
 /// enlarged. Smaller ratios may be chance.
 constexpr double kWider = 1.2;
@@ -319,7 +319,6 @@ class ThermalSolver {
   double strength_after(double strength) const {
     constexpr Draws kProbes{4, 2};
     constexpr ProbeAccuracy kRough{1000, 1e-4};
-    constexpr double kLowest = 1e-8, kHighest = 10;
     constexpr double kSmoother = 1.5;  // by experiments: rows share errors also where chi^2 is 1
     const auto derivative = derivative_at(x_);
     const FreeSteps steps(*derivative, penalty_, free_variables());
@@ -328,8 +327,8 @@ class ThermalSolver {
         1.0, estimate_resolution(problem, {&steps.penalty, strength}, kProbes, inner_, kRough)
                  .resolved_unknowns);
     const double errors = square_of_errors(misfit_of(explained_by(inner_)), resolved);
-    return std::clamp(kSmoother * errors * resolved / std::pow(norm(penalty_ * x_), 2), kLowest,
-                      kHighest);
+    return std::clamp(kSmoother * errors * resolved / std::pow(norm(penalty_ * x_), 2),
+                      kLowestStrength, kHighestStrength);
   }
 
   void choose_and_solve() {
@@ -346,6 +345,7 @@ class ThermalSolver {
         const double before = std::exchange(strength, strength_after(strength));
         if (std::abs(strength - before) < kSettled * before) break;
       }
+      figures.strength_at_end = strength <= kLowestStrength || strength >= kHighestStrength;
     }
     strength_ = figures.strength = strength;
     const Solution solution = steps(strength_, settings_.steps, 1e-5, done, 1 - done, false);

@@ -168,6 +168,8 @@ TEST(ThermalReconstruction, TemperaturesOfKnownAbsorption) {
   EXPECT_EQ(found.estimate.absorption, flame.absorption);
   EXPECT_TRUE(found.estimate.absorption_deviation.empty());
   EXPECT_EQ(found.figures.residual.size(), 1u);
+  EXPECT_GT(found.figures.strength, 0);
+  EXPECT_FALSE(found.figures.strength_at_end);
 }
 
 // Two channels tell both, thin and thick; what the two have in common is the emission, which is

@@ -65,10 +65,9 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
             ? fmt::format("a finer grid explains {:.0f} % of the rest", 100 * figures.grid_share)
             : "the model is wrong by more than that (grid, scene, absorption)"));
   else if (figures.strength_at_end)
-    execution.warn(
-        "the strength is at the end of the range that was looked at: see the curve in the report, "
-        "or give " +
-        names("strength"));
+    execution.warn(std::string("the strength is at the end of the range that was looked at: ") +
+                   (figures.trials.empty() ? "" : "see the curve in the report, or ") + "give " +
+                   names("strength"));
   if (figures.chain && figures.chain->accepted < kLeastAccepted)
     execution.warn(
         fmt::format("the temperature is known so badly that its deviations are rough: a "
