@@ -102,5 +102,16 @@ TEST(Measurement, DeviationsOfTemperatures) {
   }
 }
 
+// Small errors of the logarithm are relative ones. Larger ones have the 95 % interval of a
+// log-normal distribution.
+TEST(Measurement, DeviationsOfAbsorptions) {
+  EXPECT_TRUE(relative(absorption_deviation(40, 0.01), 0.4, 1e-3));
+  EXPECT_EQ(absorption_deviation(40, 0), 0);
+  for (const double error : {0.3, 1.0}) {
+    const double upper = 40 * std::exp(1.96 * error), lower = 40 / std::exp(1.96 * error);
+    EXPECT_TRUE(relative(2 * 1.96 * absorption_deviation(40, error), upper - lower, 1e-12));
+  }
+}
+
 }  // namespace
 }  // namespace plenoflame::test::measurement_test
