@@ -152,6 +152,7 @@ summary() {
 # Unit and fuzz tests run under the sanitizers, all others in the release build; those of vector kernels, which depend on the
 # instruction set, in both. Tests labelled long run with --all, in the release build.
 release_without='unit|fuzz|long'
+not_run=$release_without
 asan_without='slow|statistical|long|meta'
 how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
 bare=()
@@ -161,7 +162,8 @@ threaded=(base render)
 not_threaded='calibration;inverse'
 races='*Thread*:*Stop*:*ParallelFor*:*Progress*'
 if [ "$all" = yes ]; then
-  release_without=short  # their longer forms contain them
+  release_without=fuzz  # some long tests are in programs of unit tests
+  not_run='unit|fuzz|short'  # longer forms contain the short ones
   threaded=(base camera inverse lightfield render slow)
   not_threaded=
   bare=(--all)
@@ -179,24 +181,29 @@ if [ "$setup" = yes ]; then
 fi
 
 stage "format" tools/format.sh --check || true
-# Much of its time it waits for packages: beside the build. It would change the times that tests measure.
-if [ "$quick" = no ] && ! is_passed "stage bare Debian"; then
+# Much of its time the run in a bare Debian waits for packages: beside a build. It would change the times that tests measure.
+begin_bare() {
+  is_passed "stage bare Debian" && return 0
   tests/bare/run.sh "${bare[@]}" >"$logs/bare.log" 2>&1 &
   bare_run=$!
-fi
+}
+[ "$quick$all" != nono ] || begin_bare
 built=no
 if stage "build: release" build release "$release_without"; then built=yes; fi
-if [ "$quick" = no ]; then
-  stage "bare Debian" end_of_bare || true
-fi
-[ "$built" = no ] || run_tests release -LE "$release_without"
 if [ "$all" = yes ]; then
+  begin_bare
   stage "build: core alone" build core-only "" || true
-  # What developers build: file by file, and no precompiled header hides a missing include.
-  how=(-DPLENOFLAME_COMPILE_TOGETHER=OFF -DPLENOFLAME_PRECOMPILE=OFF)
+  # What developers build: file by file, and no precompiled header hides a missing include. Nothing of it runs.
+  how=(-DPLENOFLAME_COMPILE_TOGETHER=OFF -DPLENOFLAME_PRECOMPILE=OFF -DCMAKE_CXX_FLAGS_RELEASE=-O0)
   folder=build/file-by-file stage "build: file by file" build release "" || true
   how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
 fi
+if [ "$quick" = no ]; then
+  stage "bare Debian" end_of_bare || true
+  # There all but the long ones have run. What may have been skipped, for want of a program or of git, runs once more.
+  [ "$all" = no ] || ! is_passed "stage bare Debian" || not_run+='|slow|statistical|desktop'
+fi
+[ "$built" = no ] || run_tests release -LE "$not_run"
 if [ "$quick" = no ]; then
   if stage "build: address and undefined-behaviour sanitizers" build asan "$asan_without"; then
     run_tests asan -LE "$asan_without"
