@@ -152,7 +152,7 @@ summary() {
 # Unit and fuzz tests run under the sanitizers, all others in the release build; those of vector kernels, which depend on the
 # instruction set, in both. Tests labelled long run with --all, in the release build.
 release_without='unit|fuzz|long'
-not_run=$release_without
+chosen=(-LE "$release_without")
 asan_without='slow|statistical|long|meta'
 how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
 bare=()
@@ -163,7 +163,7 @@ not_threaded='calibration;inverse'
 races='*Thread*:*Stop*:*ParallelFor*:*Progress*'
 if [ "$all" = yes ]; then
   release_without=fuzz  # some long tests are in programs of unit tests
-  not_run='unit|fuzz|short'  # longer forms contain the short ones
+  chosen=(-LE 'unit|fuzz|short')  # longer forms contain the short ones
   threaded=(base camera inverse lightfield render slow)
   not_threaded=
   bare=(--all)
@@ -200,10 +200,10 @@ if [ "$all" = yes ]; then
 fi
 if [ "$quick" = no ]; then
   stage "bare Debian" end_of_bare || true
-  # There all but the long ones have run. What may have been skipped, for want of a program or of git, runs once more.
-  [ "$all" = no ] || ! is_passed "stage bare Debian" || not_run+='|slow|statistical|desktop'
+  # There the others have run.
+  [ "$all" = no ] || ! is_passed "stage bare Debian" || chosen=(-L 'long|meta')
 fi
-[ "$built" = no ] || run_tests release -LE "$not_run"
+[ "$built" = no ] || run_tests release "${chosen[@]}"
 if [ "$quick" = no ]; then
   if stage "build: address and undefined-behaviour sanitizers" build asan "$asan_without"; then
     run_tests asan -LE "$asan_without"

@@ -5,6 +5,7 @@
 #include "plenoflame/scene/scene_file.h"
 #include "statistical/agreement.h"
 #include "support/small_scene.h"
+#include "support/source_folder.h"
 
 namespace plenoflame::test::surface_agreement_test {
 namespace {

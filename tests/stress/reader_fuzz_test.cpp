@@ -16,6 +16,7 @@
 #include "plenoflame/scene/validate.h"
 #include "scene/files/time_table.h"
 #include "support/damaged_files.h"
+#include "support/source_folder.h"
 
 namespace plenoflame::test::reader_fuzz_test {
 namespace {

@@ -7,6 +7,7 @@
 #include "plenoflame/inverse/emission_operator.h"
 #include "plenoflame/inverse/solvers.h"
 #include "support/small_scene.h"
+#include "support/source_folder.h"
 #include "support/temporary_folder.h"
 #include "validation/cases.h"
 

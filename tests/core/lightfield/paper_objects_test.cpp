@@ -9,6 +9,7 @@
 #include "plenoflame/scene/scene_file.h"
 #include "support/approx.h"
 #include "support/cameras.h"
+#include "support/source_folder.h"
 
 namespace plenoflame::paper_objects_test {
 namespace {

@@ -9,6 +9,7 @@
 #include "plenoflame/scene/validate.h"
 #include "scene_samples.h"
 #include "support/approx.h"
+#include "support/source_folder.h"
 
 namespace plenoflame::preset_test {
 namespace {

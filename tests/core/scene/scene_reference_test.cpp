@@ -6,6 +6,7 @@
 
 #include "plenoflame/scene/scene_schema.h"
 #include "scene_samples.h"
+#include "support/source_folder.h"
 
 namespace plenoflame::scene_reference_test {
 namespace {

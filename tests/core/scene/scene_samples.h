@@ -5,6 +5,7 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/scene/scene_file.h"
+#include "support/source_folder.h"
 
 /// Scenes and helpers that the tests of scene files share.
 namespace plenoflame::test {
