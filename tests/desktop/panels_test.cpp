@@ -2,6 +2,7 @@
 // makes of the same scene.
 #include <QAction>
 #include <QComboBox>
+#include <QDoubleSpinBox>
 #include <QDropEvent>
 #include <QFile>
 #include <QLabel>
