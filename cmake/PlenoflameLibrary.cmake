@@ -23,6 +23,10 @@ if(PLENOFLAME_COVERAGE)
   target_link_options(plenoflame_private_options INTERFACE --coverage)
 endif()
 
+# VTK's own macros end with a semicolon that its convention then adds again. To be linked after the options above.
+add_library(plenoflame_vtk_options INTERFACE)
+target_compile_options(plenoflame_vtk_options INTERFACE -Wno-pedantic)
+
 # plenoflame_library(NAME core SOURCES ... HEADERS ... PUBLIC_LINKS ... PRIVATE_LINKS ...)
 # defines plenoflame_NAME with the alias plenoflame::NAME, its public headers and its install rules.
 function(plenoflame_library)

@@ -85,10 +85,6 @@ set(desktop_widget_sources
   widgets/window/tour_dialog.cpp
   widgets/window/view_commands.cpp
   widgets/window/welcome_page.cpp)
-# With macros of VTK in them.
-set(desktop_vtk_sources widgets/window/beside_window.cpp widgets/flame/flame_opacity.cpp widgets/image/image_view.cpp widgets/window/main_window_menus.cpp widgets/scene/camera_body.cpp widgets/scene/eye_layer.cpp widgets/scene/ray_lines.cpp
-  widgets/image/ruler.cpp widgets/scene/lens_detail.cpp widgets/scene/scene_geometry.cpp widgets/scene/scene_view.cpp
-  widgets/image/scale_bar.cpp widgets/scene/scene_labels.cpp widgets/scene/scene_view_aim.cpp widgets/scene/scene_view_light.cpp widgets/scene/scene_view_move.cpp widgets/scene/scene_view_tools.cpp)
 set(desktop_vtk_folders "${PROJECT_SOURCE_DIR}/app/vtk/module" "${PROJECT_SOURCE_DIR}/app/vtk/views")
 set(desktop_vtk_libraries Plenoflame::Views Plenoflame::VTK VTK::FiltersCore VTK::InteractionStyle VTK::InteractionWidgets
   VTK::RenderingAnnotation VTK::RenderingCore VTK::RenderingOpenGL2)

@@ -19,9 +19,9 @@
 namespace plenoflame::desktop {
 namespace {
 
-constexpr int kWarningsShown = 2;  ///< more of them are folded away at first
-constexpr int kLeastRemark = 14;   ///< [characters] that the column of remarks is worth having for
-constexpr int kLeastRows = 8;      ///< of the table that are seen at least
+constexpr int kWarningsShown = 2;   ///< more of them are folded away at first
+constexpr int kLeastRemark = 14;    ///< [characters] that the column of remarks is worth having for
+constexpr int kLeastTableRows = 8;  ///< of the table that are seen at least
 
 /// "102.8 mm wide, 16.62 mm behind" has its figure before the first comma, semicolon or bracket.
 std::array<QString, 2> value_and_remark(const QString& text) {
@@ -50,7 +50,7 @@ DesignPanel::DesignPanel(DesignJob& job, QWidget* parent)
   table_->verticalHeader()->setDefaultSectionSize(fontMetrics().height() + 6);
   table_->horizontalHeader()->setSectionResizeMode(QHeaderView::Fixed);
   table_->setWordWrap(true);
-  table_->setMinimumHeight(kLeastRows * (fontMetrics().height() + 6));
+  table_->setMinimumHeight(kLeastTableRows * (fontMetrics().height() + 6));
   table_->setEditTriggers(QAbstractItemView::NoEditTriggers);
   table_->setAlternatingRowColors(true);
   table_->setToolTip(

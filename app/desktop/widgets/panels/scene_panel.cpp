@@ -25,7 +25,7 @@ constexpr int kValueWidth = 130, kIndentation = 14;  ///< [logical pixel]
 /// [logical pixel] below which there is room for names and values alone; what is allowed stands in
 /// the tooltips, too.
 constexpr int kWidePanel = 460;
-constexpr int kLeastRows = 10;
+constexpr int kLeastTreeRows = 10;
 constexpr double kReachOfNothing = 0.1;  ///< of components that are all 0, in SI units
 
 std::vector<double> components_of(const SchemaValue& value) {
@@ -109,7 +109,7 @@ ScenePanel::ScenePanel(Document& document, QWidget* parent)
   tree_->header()->setStretchLastSection(false);
   tree_->header()->setSectionResizeMode(ParameterModel::kAllowed, QHeaderView::Stretch);
   tree_->setIndentation(kIndentation);
-  tree_->setMinimumHeight(kLeastRows * fontMetrics().lineSpacing());
+  tree_->setMinimumHeight(kLeastTreeRows * fontMetrics().lineSpacing());
   message_->setObjectName("sceneMessage");
   message_->setWordWrap(true);
   message_->setTextFormat(Qt::PlainText);

@@ -28,8 +28,8 @@ constexpr double kTubeShare = 1.26;  ///< inner radius of the tube over that of 
 constexpr double kWall = 0.07;       ///< thickness of walls over the radius
 constexpr double kEdge = 25;         ///< [degree] between faces that have an edge of their own
 
-using Rgb = std::array<unsigned char, 3>;
-constexpr Rgb kOutside{74, 79, 88}, kInside{40, 43, 49}, kSection{176, 181, 190};
+using Bytes = std::array<unsigned char, 3>;
+constexpr Bytes kOutside{74, 79, 88}, kInside{40, 43, 49}, kSection{176, 181, 190};
 
 /// A cross-section of the wall: a circle or a rectangle. All [m].
 struct Station {
@@ -115,7 +115,7 @@ vtkSmartPointer<vtkPolyData> housing_of(const Camera& camera, bool half) {
   const auto id = [&](int sector, vtkIdType station, int inner) {
     return 2 * (sector * count + station) + inner;
   };
-  const auto face = [&](std::array<vtkIdType, 4> corners, const Rgb& colour) {
+  const auto face = [&](std::array<vtkIdType, 4> corners, const Bytes& colour) {
     faces->InsertNextCell(4, corners.data());
     colours->InsertNextTypedTuple(colour.data());
   };

@@ -17,11 +17,11 @@
 namespace plenoflame::desktop {
 namespace {
 
-constexpr int kCoarse = 110;          ///< pixels along the longer side while the view moves
-constexpr int kRestsAfter = 120;      ///< [ms]
-constexpr double kMargin = 0.05;      ///< around the flames, for their glare
-constexpr double kGlareShare = 0.02;  ///< its radius, of the longer side
-constexpr double kLeastDepth = 1e-3;  ///< of the distance: how near to the eye corners may be
+constexpr int kCoarse = 110;           ///< pixels along the longer side while the view moves
+constexpr int kRestsAfter = 120;       ///< [ms]
+constexpr double kGlareMargin = 0.05;  ///< around the flames, for their glare
+constexpr double kGlareShare = 0.02;   ///< its radius, of the longer side
+constexpr double kLeastDepth = 1e-3;   ///< of the distance: how near to the eye corners may be
 
 }  // namespace
 
@@ -139,7 +139,7 @@ EyeWindow EyeLayer::window() const {
         most_y = std::max(most_y, dot(corner, up) * depth / away);
       }
   if (whole) {
-    const double margin = kMargin * std::max(most_x - least_x, most_y - least_y);
+    const double margin = kGlareMargin * std::max(most_x - least_x, most_y - least_y);
     left = std::max(left, least_x - margin);
     end = std::min(end, most_x + margin);
     bottom = std::max(bottom, least_y - margin);

@@ -11,21 +11,18 @@
 
 #include "array_geometry.h"
 #include "camera_mesh.h"
+#include "widgets/scene/scene_geometry.h"
 
 namespace plenoflame::desktop {
 namespace {
 
-constexpr double kMostSeen = 1200;  ///< microlenses
-constexpr double kLeastPitch = 6;   ///< [screen pixel]
-constexpr double kMargin = 0.3;     ///< on each side, of the part in view
-constexpr double kLargest = 8;      ///< of a part, in areas of a new one: else it is coarse
-constexpr double kNear = 3.5;       ///< pitches on each side of a pixel
-constexpr double kFaces = 1e5;      ///< of all microlenses together
+constexpr double kMostSeen = 1200;     ///< microlenses
+constexpr double kLeastPitch = 6;      ///< [screen pixel]
+constexpr double kMarginOfView = 0.3;  ///< on each side, of the part in view
+constexpr double kLargest = 8;         ///< of a part, in areas of a new one: else it is coarse
+constexpr double kNear = 3.5;          ///< pitches on each side of a pixel
+constexpr double kFaces = 1e5;         ///< of all microlenses together
 constexpr int kLeastSectors = 8, kMostSectors = 28;
-
-Vec3 vec(const double* p) {
-  return {p[0], p[1], p[2]};
-}
 
 /// The part of a polygon on the inner side of a plane.
 std::vector<Vec3> cut(const std::vector<Vec3>& polygon, const double* plane) {
@@ -93,7 +90,7 @@ ArrayPart large_lenses(const Camera& camera, const Schematic& drawing, vtkRender
 ArrayPart with_margin(const ArrayPart& part, const Camera& camera) {
   const ArrayPart whole = whole_array(camera);
   const double pitch = longest_pitch(camera.spec().array);
-  const Vec2 margin = kMargin * (part.upper - part.lower) + Vec2{pitch, pitch};
+  const Vec2 margin = kMarginOfView * (part.upper - part.lower) + Vec2{pitch, pitch};
   return {{std::max(part.lower.x - margin.x, whole.lower.x - pitch),
            std::max(part.lower.y - margin.y, whole.lower.y - pitch)},
           {std::min(part.upper.x + margin.x, whole.upper.x + pitch),

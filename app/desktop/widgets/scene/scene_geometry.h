@@ -17,6 +17,10 @@ class vtkRenderer;
 
 namespace plenoflame::desktop {
 
+inline Vec3 vec(const double* p) {
+  return {p[0], p[1], p[2]};
+}
+
 /// All that is drawn of a scene in 3-D; made on any thread.
 struct SceneGeometry {
   vtkSmartPointer<vtkImageData> flame;

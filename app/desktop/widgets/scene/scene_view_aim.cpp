@@ -41,10 +41,6 @@ views::Subject subject_of(SceneView::Part part) {
   return views::Subject::array;
 }
 
-Vec3 vec(const double* p) {
-  return {p[0], p[1], p[2]};
-}
-
 std::vector<Vec3> corners_of(const vtkBoundingBox& box) {
   std::array<double, 6> bounds{};
   box.GetBounds(bounds.data());

@@ -14,6 +14,7 @@
 #include "plenoflame/optics/surface_shape.h"
 #include "widgets/controls/pointer.h"
 #include "widgets/image/image_view.h"
+#include "widgets/scene/scene_labels.h"
 
 namespace plenoflame::desktop {
 namespace {
@@ -35,7 +36,6 @@ double half_chord(const MicrolensAperture& aperture, double off, bool horizontal
 constexpr int kFlameSide = 160;   ///< points along the longer side of the flame's picture
 constexpr double kLeastLens = 5;  ///< [screen pixel] pitch from which microlenses are drawn
 constexpr int kArcPoints = 24;
-constexpr int kTextGround = 190;  ///< of 255: how opaque the ground of texts is
 
 /// Sag of a sphere; 0 beyond it.
 double sphere_sag(double radius, double height) {
@@ -386,7 +386,7 @@ void SectionView::draw_text(QPainter& painter, QPointF top_left, const QString& 
   const QRectF place(top_left, QSizeF(painter.fontMetrics().horizontalAdvance(text) + 1,
                                       painter.fontMetrics().height()));
   QColor ground = palette().color(QPalette::Base);
-  ground.setAlpha(kTextGround);
+  ground.setAlphaF(kTextGround);
   painter.fillRect(place.adjusted(-2, 0, 2, 0), ground);
   painter.setPen(palette().color(QPalette::Text));
   painter.drawText(place, Qt::AlignCenter, text);

@@ -10,18 +10,13 @@
 
 #include "plenoflame/base/error.h"
 #include "plenoflame/base/units.h"
+#include "widgets/controls/theme.h"
 #include "widgets/image/colour_bar.h"
 #include "widgets/image/image_view.h"
 #include "widgets/scene/scene_geometry.h"
 #include "widgets/scene/scene_view.h"
 
 namespace plenoflame::desktop {
-namespace {
-
-constexpr double kShareOfScreen = 0.95;  ///< at most; the rest is the frame's
-
-}  // namespace
-
 CompareWindow::CompareWindow(Session& mine, const ToneSettings& tone, QWidget* parent)
     : QDialog(parent), sessions_{&mine, &own_}, tone_(tone) {
   setObjectName("compareWindow");

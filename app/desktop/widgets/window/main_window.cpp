@@ -55,7 +55,6 @@ constexpr int kMostRecent = 10;
 constexpr int kLongestAppearance = 500;  ///< [ms]
 constexpr int kAppearanceStep = 10;      ///< [ms]
 constexpr QSize kFirstSize{1500, 950};
-constexpr double kShareOfScreen = 0.95;           ///< at most; the rest is the frame's
 constexpr double kSideShare = 0.185;              ///< of the width, that the side panel takes
 constexpr int kLeastSide = 220, kMostSide = 400;  ///< [logical pixel]
 
