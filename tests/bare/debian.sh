@@ -4,18 +4,20 @@ cache=${XDG_CACHE_HOME:-$HOME/.cache}/plenoflame/bare
 
 # bare_debian [RELEASE]: makes $cache/debian, a Debian 12, unless it is there; of another release, such as trixie, $cache/RELEASE.
 bare_debian() {
-  local release=${1:-bookworm} system=${1:-debian} each sources=()
+  local release=${1:-bookworm} system=${1:-debian} made each sources=()
   [ ! -d "$cache/$system" ] || return 0
-  rm -rf "$cache/made" && mkdir -p "$cache/archives"
-  mmdebstrap --quiet --variant=minbase --include=ca-certificates "$release" "$cache/made"
-  [ "$system" != debian ] || { rm -f "$cache/made/etc/apt/sources.list" && sources=(/etc/apt/sources.list /etc/apt/sources.list.d); }
-  echo force-unsafe-io >"$cache/made/etc/dpkg/dpkg.cfg.d/quick"
+  mkdir -p "$cache/archives"
+  made=$(mktemp -d "$cache/made.XXXXXX")  # another run may make one, too
+  chmod 755 "$made"
+  mmdebstrap --quiet --variant=minbase --include=ca-certificates "$release" "$made"
+  [ "$system" != debian ] || { rm -f "$made/etc/apt/sources.list" && sources=(/etc/apt/sources.list /etc/apt/sources.list.d); }
+  echo force-unsafe-io >"$made/etc/dpkg/dpkg.cfg.d/quick"
   # The new system reaches the registry in the way that this one does.
   for each in "${sources[@]}" /etc/apt/apt.conf.d /etc/apt/auth.conf.d /etc/ssl/certs/ca-certificates.crt /etc/resolv.conf; do
-    [ ! -e "$each" ] || { mkdir -p "$cache/made$(dirname "$each")" && cp -aL --remove-destination "$each" "$cache/made$(dirname "$each")/"; }
+    [ ! -e "$each" ] || { mkdir -p "$made$(dirname "$each")" && cp -aL --remove-destination "$each" "$made$(dirname "$each")/"; }
   done
-  rm -f "$cache/made/etc/apt/apt.conf.d/"*clean*  # packages are kept for the next system
-  mv "$cache/made" "$cache/$system"
+  rm -f "$made/etc/apt/apt.conf.d/"*clean*  # packages are kept for the next system
+  mv -T "$made" "$cache/$system" 2>/dev/null || rm -rf --one-file-system "$made"
 }
 
 # has_overlays: false in a container whose own files are an overlay, on which there is no other one.
@@ -40,14 +42,18 @@ open_debian() {
   mount -t proc proc "$root/system/proc"
   mount --bind /dev "$root/system/dev"
   mkdir -p "$root/system/dev/shm" "$root/system/var/cache/apt/archives"
-  mount --bind "$cache/archives" "$root/system/var/cache/apt/archives"
+  # apt locks its folder of packages: several runs have links to the same ones.
+  cp -al "$cache/archives" "$root" && rm -f "$root/archives/lock"
+  mount --bind "$root/archives" "$root/system/var/cache/apt/archives"
 }
 
 close_debian() {  # ROOT
   local each
+  find "$1/archives" -maxdepth 1 -name '*.deb' -exec cp -aln -t "$cache/archives" {} + 2>/dev/null || true
   for each in srv/ccache var/cache/apt/archives dev proc .; do
     if mountpoint -q "$1/system/$each"; then umount --lazy "$1/system/$each"; fi
   done
+  rm -rf --one-file-system "$1/archives"
 }
 
 # in_debian ROOT COMMAND...: with nothing of this machine's environment but the way to the registry.
