@@ -1,5 +1,5 @@
 # Most of the processor time of a build from nothing goes into headers that nearly every file includes. A target with precompiled
-# headers reads them once.
+# headers reads them once. `./test.sh --all` builds without them, since they hide a missing include.
 option(PLENOFLAME_PRECOMPILE "Precompile the headers that most files include" ON)
 
 # plenoflame_precompile(TARGET HEADER...): headers of the standard library, and the given ones. Sources whose options differ from those

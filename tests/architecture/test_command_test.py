@@ -61,7 +61,7 @@ class TestCommand(unittest.TestCase):
         done, calls = self.run_tests("--all")
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         self.assertEqual([c.split()[2] for c in calls if c.startswith("ctest")], ["release", "asan", "tsan"])
-        plain = [c for c in calls if "PLENOFLAME_COMPILE_TOGETHER=OFF" in c]
+        plain = [c for c in calls if "PLENOFLAME_PRECOMPILE=OFF" in c]
         self.assertEqual(len(plain), 1)
         self.assertIn("cmake --build build/file-by-file", "\n".join(calls))
         self.assertIn("run.sh --all", calls)
