@@ -67,12 +67,29 @@ class FlameWriter : public Runnable {
     GridWriteOptions options;
     options.half = half;
     options.stop = execution.stop;
-    write_flame(path, flame_of(*input, temperature, absorption, ambient, execution.stop), options);
+    const FlameFields flame = flame_of(*input, temperature, absorption, ambient, execution.stop);
+    warn_of_others(flame.lines, execution);
+    write_flame(path, flame, options);
   }
   Data input;
   std::string path, temperature = "temperature", absorption = "absorption";
   double ambient = 293.15;
   bool half = false;
+
+ private:
+  void warn_of_others(const std::vector<VoxelField>& lines, const Execution& execution) const {
+    std::string others, known;
+    for (const VoxelArray& array : input->arrays)
+      if (array.name != temperature && array.name != absorption &&
+          std::none_of(lines.begin(), lines.end(),
+                       [&](const VoxelField& line) { return line.name == array.name; }))
+        others += (others.empty() ? "" : ", ") + array.name;
+    for (const LineGrid& line : line_grids())
+      known += (known.empty() ? "" : ", ") + std::string(line.name);
+    if (!others.empty())
+      execution.warn(path + ": not written: " + others + "; arrays of emission lines are named " +
+                     known);
+  }
 };
 
 /// The flames of a scene on a lattice.

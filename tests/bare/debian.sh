@@ -41,6 +41,7 @@ open_debian() {
   mount -t overlay overlay -o "lowerdir=$lower,upperdir=$root/written,workdir=$root/work" "$root/system"
   mount -t proc proc "$root/system/proc"
   mount --bind /dev "$root/system/dev"
+  mount --bind /dev/pts "$root/system/dev/pts"
   mkdir -p "$root/system/dev/shm" "$root/system/var/cache/apt/archives"
   # apt locks its folder of packages: several runs have links to the same ones.
   cp -al "$cache/archives" "$root" && rm -f "$root/archives/lock"
@@ -50,7 +51,7 @@ open_debian() {
 close_debian() {  # ROOT
   local each
   find "$1/archives" -maxdepth 1 -name '*.deb' -exec cp -aln -t "$cache/archives" {} + 2>/dev/null || true
-  for each in srv/ccache var/cache/apt/archives dev proc .; do
+  for each in srv/ccache var/cache/apt/archives dev/pts dev proc .; do
     if mountpoint -q "$1/system/$each"; then umount --lazy "$1/system/$each"; fi
   done
   rm -rf --one-file-system "$1/archives"

@@ -28,8 +28,7 @@ using plenoflame::test::TemporaryFolder;
 
 /// The text that the command prints on standard error about a file, and its status.
 std::string run_command(const std::string& arguments, int& status) {
-  FILE* const pipe =
-      popen((std::string(PLENOFLAME_COMMAND) + " " + arguments + " 2>&1").c_str(), "r");
+  FILE* const pipe = popen(("'" PLENOFLAME_COMMAND "' " + arguments + " 2>&1").c_str(), "r");
   std::string text;
   std::array<char, 256> part{};
   while (std::fgets(part.data(), part.size(), pipe)) text += part.data();

@@ -50,8 +50,8 @@ TEST_F(SessionTest, FinishedImageIsTheCommandsBitForBit) {
   EXPECT_EQ(session_.render().status().rays, session_.render().statistics().rays);
   const TemporaryFolder folder;
   session_.document().save(folder.file("scene.toml"));
-  ASSERT_EQ(std::system((std::string(PLENOFLAME_COMMAND) + " render --quiet " +
-                         folder.file("scene.toml") + " -o " + folder.file("command.exr"))
+  ASSERT_EQ(std::system(("'" PLENOFLAME_COMMAND "' render --quiet " + folder.file("scene.toml") +
+                         " -o " + folder.file("command.exr"))
                             .c_str()),
             0);
   const LightField command = read_light_field(folder.file("command.exr"));

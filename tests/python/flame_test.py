@@ -30,6 +30,14 @@ class Flames(PackageTest):
         numpy.testing.assert_allclose(origin, (1, -2, 0.5), rtol=1e-12)
         numpy.testing.assert_array_equal(directions, numpy.eye(3))
 
+    def test_lines_are_written_and_the_rest_is_named(self):
+        ones = numpy.ones((2, 2, 2))
+        flame = plenoflame.flame_from_arrays(300 * ones, ones, spacing=1e-3, **{"CH*": 5 * ones, "ch": 6 * ones})
+        with self.assertWarnsRegex(RuntimeWarning, r"not written: ch; .* CH\*, C2\*, OH\*, Na_D"):
+            plenoflame.write_flame(self.folder / "lines.vdb", flame)
+        grids = {grid["name"]: grid["maximum"] for grid in self.figures("info", "lines.vdb")["grids"]}
+        self.assertEqual(grids, {"temperature": 300, "absorption": 1, "CH*": 5})
+
     def test_scene_is_sampled(self):
         flame = self.scene().flame(50)
         self.assertEqual(flame["temperature"].max(), 1900)

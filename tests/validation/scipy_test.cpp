@@ -81,8 +81,8 @@ TEST(ExportedMatrix, SciPySolvesItAlike) {
   for (const double value : exported.b) data << value << '\n';
   data.close();
   constexpr double kDamp = 0.1;
-  const std::string command = std::string(PLENOFLAME_PYTHON) + " -B " +
-                              PLENOFLAME_SOURCE_DIR "/tests/validation/scipy_solvers.py" + " " +
+  const std::string command = "'" PLENOFLAME_PYTHON "' -B '" PLENOFLAME_SOURCE_DIR
+                              "/tests/validation/scipy_solvers.py' " +
                               folder.path() + " " + std::to_string(kDamp);
   ASSERT_EQ(std::system(command.c_str()), 0) << command;
   const auto a = make_csr_operator(exported.matrix);

@@ -158,7 +158,7 @@ def flame_from_arrays(temperature: Any, absorption: Any, *, spacing: float | Seq
 
     temperature [K], absorption [1/m]: arrays [i, j, k] of the samples at origin + (i, j, k) spacing
     spacing: between samples [m], one number or three; origin: the place of sample [0, 0, 0] [m]
-    lines: further arrays by name, e.g. **{"CH*": array}, the emission of a line [W/m^3]
+    lines: further arrays by name, such as **{"CH*": array}, the emission of a line [W/m^3]
 
     Raises Error.
     """
@@ -247,6 +247,7 @@ def _run_import(source, on_progress, on_message):
 def write_flame(path: Path, flame: Flame, *, temperature: str = "temperature", absorption: str = "absorption",
                 ambient: float = 293.15, half: bool = False) -> None:
     """Writes a Flame as grids. temperature, absorption: names of its arrays, in K and 1/m;
-    ambient: temperature outside [K]; half: values with 16 bits. Raises Error."""
+    ambient: temperature outside [K]; half: values with 16 bits. Of the other arrays those of emission lines are
+    written: "CH*", "C2*", "OH*" and "Na_D". A warning names the rest. Raises Error."""
     update(made(_core.FlameWriter, input=voxels_of(flame), path=os.fspath(path), temperature=temperature, absorption=absorption,
                 ambient=ambient, half=half))
