@@ -40,6 +40,7 @@ open_debian() {
   mkdir -p "$root/system" "$root/written" "$root/work"
   mount -t overlay overlay -o "lowerdir=$lower,upperdir=$root/written,workdir=$root/work" "$root/system"
   mount -t proc proc "$root/system/proc"
+  mount --bind /sys "$root/system/sys"  # MPI asks it for the processors
   mount --bind /dev "$root/system/dev"
   mount --bind /dev/pts "$root/system/dev/pts"
   mkdir -p "$root/system/dev/shm" "$root/system/var/cache/apt/archives"
@@ -51,7 +52,7 @@ open_debian() {
 close_debian() {  # ROOT
   local each
   find "$1/archives" -maxdepth 1 -name '*.deb' -exec cp -aln -t "$cache/archives" {} + 2>/dev/null || true
-  for each in srv/ccache var/cache/apt/archives dev/pts dev proc .; do
+  for each in srv/ccache var/cache/apt/archives dev/pts dev sys proc .; do
     if mountpoint -q "$1/system/$each"; then umount --lazy "$1/system/$each"; fi
   done
   rm -rf --one-file-system "$1/archives"
