@@ -26,7 +26,7 @@ import sys
 import tempfile
 
 MARK = re.compile(r"^<!--\s*run\s*(?::(?P<options>.*))?-->$")
-TIME_LIMIT = 120  # seconds for one block
+TIME_LIMIT = 400  # seconds for one block: the machine may be busy
 
 
 class Block:
