@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Deviations of a candle on grids from coarse to fine against its errors: a table of docs/validation.md.
 
-    PYTHONPATH=.../dist-packages tools/coarse_grids.py PLENOFLAME [--rings 8 12 16 24] [--page docs/validation.md]
+    PYTHONPATH=.../dist-packages tools/coarse_grids.py PLENOFLAME [--rings 8 12 16 24] [--voxels 12 24 36] [--page docs/validation.md]
 
 The pictures are those of docs/reconstruct.md's first commands. The truth is the flame's file, read with Planck's law. Needs SciPy.
 """
@@ -9,6 +9,7 @@ The pictures are those of docs/reconstruct.md's first commands. The truth is the
 import argparse
 import os
 import pathlib
+import shutil
 import subprocess
 import tempfile
 
@@ -17,7 +18,7 @@ import plenoflame
 from scipy import constants, ndimage
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
-HEAD = "| rings | chi^2 | error [%] | stated [%] | pulls, RMS | within 1.96 [%] | pulls of temperature | within 1.96 [%] |\n|---|---|---|---|---|---|---|---|\n"
+HEAD = "| grid | chi^2 | error [%] | stated [%] | pulls, RMS | within 1.96 [%] | pulls of temperature | within 1.96 [%] |\n|---|---|---|---|---|---|---|---|\n"
 WAVELENGTH, WIDTH = 650e-9, 10e-9  # m
 FOOT = (1, 0, -0.016)  # m; of the flame in the scene
 LIT = 0.05  # of the largest emission
@@ -46,25 +47,29 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command")
     parser.add_argument("--rings", type=int, nargs="+", default=[8, 12, 16, 24])
+    parser.add_argument("--voxels", type=int, nargs="+", default=[12, 24, 36], help="along the longest side, before two cameras")
     parser.add_argument("--page", help="whose table is written anew")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        example = pathlib.Path(folder, "front.toml")
-        example.write_text((ROOT / "examples/reconstruct-front.toml").read_text(encoding="utf-8"), encoding="utf-8")
         flame = plenoflame.make_flame("candle")
         plenoflame.write_flame(pathlib.Path(folder, "candle.vdb"), flame)
-        scene = plenoflame.Scene(example)
         command = os.path.abspath(options.command)
-        for words in (("render", "front.toml", "--samples", "512", "-o", "front.exr", "--quiet"),
-                      ("develop", "front.exr", "--sensor", "-o", "electrons.exr")):
-            subprocess.run([command, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        picture = pathlib.Path(folder, "electrons.exr")
+        scenes, pictures = [], []
+        for name in ("front", "side"):
+            scene, picture = pathlib.Path(folder, f"{name}.toml"), pathlib.Path(folder, f"{name}-electrons.exr")
+            shutil.copy(ROOT / f"examples/reconstruct-{name}.toml", scene)
+            for words in (("render", scene, "--samples", "512", "-o", f"{name}.exr", "--quiet"),
+                          ("develop", f"{name}.exr", "--sensor", "-o", picture)):
+                subprocess.run([command, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
+            scenes.append(plenoflame.Scene(scene))
+            pictures.append(picture)
         rows = ""
-        for rings in options.rings:
-            found = plenoflame.reconstruct(scene, picture, unknowns="rings", grid=(rings, 2 * rings), absorption="scene")
+        for name, cameras, unknowns, grid in ([(f"{n} x {2 * n} rings", 1, "rings", (n, 2 * n)) for n in options.rings] +
+                                              [(f"{n} voxels, 2 cameras", 2, "voxels", n) for n in options.voxels]):
+            found = plenoflame.reconstruct(scenes[:cameras], pictures[:cameras], unknowns=unknowns, grid=grid, absorption="scene")
             emission, temperature = truth_at(flame, numpy.asarray(found.places).reshape(*found.shape, 3))
             lit = emission > LIT * emission.max()
-            row = f"| {rings} x {2 * rings} | {found.figures['chi_squared']:.2f} |"
+            row = f"| {name} | {found.figures['chi_squared']:.2f} |"
             for true, back, deviation, norm in ((emission, found.emission, found.emission_deviation, True),
                                                 (temperature, found.temperature, found.temperature_deviation, False)):
                 true, back, deviation = (numpy.asarray(a).reshape(found.shape)[lit] for a in (true, back, deviation))

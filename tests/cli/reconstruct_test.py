@@ -86,6 +86,7 @@ class Reconstruct(CommandTest):
             "--grid", "24", "--bin", "2", "--rays", "32", "--absorption", "scene", "--truth", "-o", "both.vdb")
         self.assertNotIn("times worse", warnings)
         self.assertLess(both["truth_temperature_error"], 0.03)  # 0.019; it was 0.056 with light that cannot be
+        self.assertIn("the grid is coarse", warnings)
         one, warnings = self.reconstruct(
             "front.toml", "--images", "front-electrons.exr", "--grid", "24", "--bin", "2", "--rays", "32", "--absorption", "scene",
             "--truth", "-o", "one.vdb")

@@ -209,7 +209,8 @@ void add_uncertainty(const SolvedProblem& solved, const ReconstructionInput& inp
   }
   // The pictures themselves determine their deviation from the model.
   const double free = free_chi_squared(result.chi_squared * rows, rows, result.resolved_unknowns);
-  result.noise_factor = std::sqrt(free);
+  result.noise_factor =
+      std::sqrt(free_chi_squared(result.noise_chi_squared * rows, rows, result.resolved_unknowns));
   if (settings.draws < 1) return;
   PriorOfFlame other;
   Regularisation penalty = solved.penalty;
@@ -444,7 +445,7 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   };
 
   const std::vector<double>& b = measured.flux;
-  std::vector<double> weight = row_weights(measured, {}, {});
+  std::vector<double> weight = row_weights(measured, {}, {}), of_noise = weight;
   count_left_out(weight, result);
   const double rows = static_cast<double>(result.rows - result.left_out);
 
@@ -489,7 +490,11 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
       execution.note(
           fmt::format("this will take about {:.0f} min", kTimesGuess * took.count() / 60));
     if (settings.ray_noise) result.rays_error = ray_error(problem, guess, quiet);
-    weight = row_weights(measured, image_of(guess), result.rays_error);
+    const std::vector<double> light = image_of(guess);
+    weight = of_noise = row_weights(measured, light, result.rays_error);
+    if (settings.grid_noise)
+      weight = row_weights(measured, light, result.rays_error,
+                           grid_errors(*a, problem, guess, result.solved));
   }
   std::vector<double> start = input.start;
   std::optional<ScaledProblem> weighted;
@@ -528,18 +533,16 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
   }
   result.complete = !watch.stopped();
   const std::vector<double> explained = image_of(result.values);
-  const auto chi_squared_of = [&](const std::vector<double>& fluxes) {
-    double sum = 0;
-    for (std::size_t i = 0; i < fluxes.size(); ++i)
-      if (weight[i] > 0) sum += std::pow(weight[i] * (fluxes[i] - b[i]), 2);
-    return sum / rows;
-  };
-  result.chi_squared = chi_squared_of(explained);
+  result.chi_squared = misfit_of(explained, b, weight) / rows;
+  result.noise_chi_squared = misfit_of(explained, b, of_noise) / rows;
   result.at_places = values_at_places(*input.unknowns, result.values, result.solved);
   // Follows all rays once more.
   if (input.source && result.model == RowModel::source && (result.complete || result.stored))
-    result.rendered_chi_squared = chi_squared_of(rendered_fluxes(input, rays, result, quiet));
+    result.rendered_chi_squared =
+        misfit_of(rendered_fluxes(input, rays, result, quiet), b, weight) / rows;
   result.explained_by_noise = explained_by_noise(result.chi_squared * rows, rows);
+  result.coarse =
+      result.explained_by_noise && !explained_by_noise(result.noise_chi_squared * rows, rows);
   result.resolved_unknowns = -1;
   if (result.complete) {
     try {
@@ -569,13 +572,12 @@ Reconstruction reconstruct(const ReconstructionInput& input, const Reconstructio
           const auto add_to_deviation = [&](std::span<const double> change) {
             const std::vector<double> moved = followed(change);
             result.camera_deviation.resize(moved.size());
-            for (std::size_t j = 0; j < moved.size(); ++j) {
-              double& part = result.camera_deviation[j];
-              part = std::hypot(part, moved[j]);
-            }
+            for (std::size_t j = 0; j < moved.size(); ++j)
+              result.camera_deviation[j] = std::hypot(result.camera_deviation[j], moved[j]);
           };
+          const ScaledProblem plain(stored, *a, of_noise, scale, *input.unknowns, settings);
           TestOfModel tested = test_model(
-              {&problem, &views, &*weighted, how, explained, left, settings.test_absorption,
+              {&problem, &views, &plain, how, explained, left, settings.test_absorption,
                settings.corrected, settings.refined, add_to_deviation},
               result, {kLeastProbe, 1e-3}, part_of_progress(execution, kUntested, 1 - kUntested));
           result.suspects = std::move(tested.suspects);

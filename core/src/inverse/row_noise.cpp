@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "plenoflame/base/error.h"
 #include "plenoflame/lightfield/smoothed_error.h"
 
 namespace plenoflame {
@@ -73,8 +74,22 @@ RayError ray_error(const EmissionProblem& problem, std::span<const double> x,
   return result;
 }
 
+std::vector<double> grid_errors(const LinearOperator& a, const EmissionProblem& problem,
+                                std::span<const double> x, const std::vector<char>& solved) {
+  constexpr double kShare = 0.01;
+  const Unknowns& unknowns = *problem.unknowns;
+  try {
+    std::vector<double> errors =
+        a * errors_of_chords(unknowns, values_at_places(unknowns, x, solved), problem.absorption);
+    for (double& error : errors) error *= kShare;
+    return errors;
+  } catch (const Cancelled&) {
+    return {};
+  }
+}
+
 std::vector<double> row_weights(const MeasuredRows& measured, std::span<const double> explained,
-                                const RayError& rays) {
+                                const RayError& rays, std::span<const double> grid) {
   std::vector<double> weights(measured.flux.size(), 0.0);
   for (std::size_t i = 0; i < weights.size(); ++i) {
     if (!(measured.deviation[i] > 0)) continue;
@@ -88,9 +103,18 @@ std::vector<double> row_weights(const MeasuredRows& measured, std::span<const do
       const double error = rays.at(light_of_row(light, measured.flux[i], variance, rays));
       variance += error * error;
     }
+    if (!grid.empty()) variance += grid[i] * grid[i];
     weights[i] = 1 / std::sqrt(variance);
   }
   return weights;
+}
+
+double misfit_of(std::span<const double> fluxes, std::span<const double> b,
+                 std::span<const double> weights) {
+  double sum = 0;
+  for (std::size_t i = 0; i < fluxes.size(); ++i)
+    if (weights[i] > 0) sum += std::pow(weights[i] * (fluxes[i] - b[i]), 2);
+  return sum;
 }
 
 }  // namespace plenoflame

@@ -299,13 +299,6 @@ class ThermalSolver {
            : last_.x == x_ ? last_.fluxes
                            : thermal_fluxes(model_, physical(x_), execution);
   }
-  /// |W (f - b)|^2
-  double misfit_of(std::span<const double> fluxes) const {
-    double sum = 0;
-    for (std::size_t i = 0; i < b_.size(); ++i)
-      if (weights_[i] > 0) sum += std::pow(weights_[i] * (fluxes[i] - b_[i]), 2);
-    return sum;
-  }
 
   /// Squared factor of errors over those that noise alone would cause. The rest are errors
   /// of the grid: each is one of a place, and shared by all rows that see it.
@@ -326,7 +319,7 @@ class ThermalSolver {
     const double resolved = std::max(
         1.0, estimate_resolution(problem, {&steps.penalty, strength}, kProbes, inner_, kRough)
                  .resolved_unknowns);
-    const double errors = square_of_errors(misfit_of(explained_by(inner_)), resolved);
+    const double errors = square_of_errors(misfit_of(explained_by(inner_), b_, weights_), resolved);
     return std::clamp(kSmoother * errors * resolved / std::pow(norm(penalty_ * x_), 2),
                       kLowestStrength, kHighestStrength);
   }
@@ -372,7 +365,7 @@ class ThermalSolver {
     for (std::size_t j = 0; j < n; ++j)
       estimate.emission.push_back(estimate.absorption[j] * source(estimate.temperature[j]));
     const std::vector<double> explained = explained_by(execution_.threads_only());
-    figures.chi_squared = misfit_of(explained) / rows_;
+    figures.chi_squared = figures.noise_chi_squared = misfit_of(explained, b_, weights_) / rows_;
     figures.explained_by_noise = explained_by_noise(figures.chi_squared * rows_, rows_);
     std::span<const double> fluxes = explained, weights = weights_;
     for (std::size_t c = 0; c < measured_.size(); ++c) {

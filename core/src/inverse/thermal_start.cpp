@@ -106,7 +106,7 @@ Reconstruction linear_stage(const ThermalInput& input, const ThermalSettings& se
   ReconstructionSettings how = settings.linear;
   how.rays = rays_of_channel(how.rays, channel, input.channels[channel].channel);
   how.draws = how.probes = 0;
-  how.test_model = false;
+  how.test_model = how.grid_noise = false;
   how.strength = -1;
   if (first)
     linear.start = first_samples(input);

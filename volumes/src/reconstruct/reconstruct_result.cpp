@@ -200,6 +200,7 @@ void report_reconstruction(const ReconstructResult& result, const Unknowns& unkn
                reconstruction.ratio_strength);
   report.add("chi^2 per row", readable_number(reconstruction.chi_squared), "chi_squared",
              reconstruction.chi_squared);
+  report.add_json("noise_chi_squared", reconstruction.noise_chi_squared);
   if (reconstruction.absorption_error > 0)
     report.add("absorption",
                fmt::format("known to {:.3g} %, which the deviations hold",

@@ -103,17 +103,20 @@ std::string verdict(const ReconstructResult& result, const Unknowns& unknowns, U
                         readable(*means.temperature, Dimension::temperature));
   if (means.absorption)
     text += fmt::format(", its absorption to {}", readable_percent(*means.absorption));
-  text += result.figures.explained_by_noise
-              ? ". The result explains the pictures within their noise."
-              : fmt::format(
-                    ". The pictures differ from the result by {:.3g} times their noise; the "
-                    "deviations contain that.",
-                    result.figures.noise_factor);
+  const Reconstruction& figures = result.figures;
+  if (figures.explained_by_noise && !figures.coarse)
+    text += ". The result explains the pictures within their noise.";
+  else
+    text += fmt::format(
+        ". The pictures differ from the result by {:.3g} times their noise{}; the deviations "
+        "contain that.",
+        figures.noise_factor, figures.coarse ? ", as the grid is coarse" : "");
   if (cameras.size() == 1 && kind == UnknownKind::voxels)
     text = "One camera cannot tell the depth. " + text +
            " Rings need one camera where the flame is round; voxels need several.";
   else if (*means.emission > kHardlyKnown)
-    text += " The emission is hardly known: take more light, more cameras or a coarser grid.";
+    text += std::string(" The emission is hardly known: take more light, more cameras or a ") +
+            (figures.coarse ? "finer" : "coarser") + " grid.";
   text += corrected;
   const std::vector<std::string> wrong = what_is_wrong(result, kind, cameras);
   for (const std::string& line : wrong) text += ' ' + line;

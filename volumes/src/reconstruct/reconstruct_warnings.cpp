@@ -64,6 +64,10 @@ void warn_of(const Reconstruction& figures, const ReconstructionSettings& settin
         figures.grid_share > kMostOfIt
             ? fmt::format("a finer grid explains {:.0f} % of the rest", 100 * figures.grid_share)
             : "the model is wrong by more than that (grid, scene, absorption)"));
+  else if (figures.coarse)
+    execution.warn(fmt::format(
+        "the grid is coarse: without its errors, chi^2 per row is {:.3g}; a finer {} shows more",
+        figures.noise_chi_squared, names("grid")));
   else if (figures.strength_at_end)
     execution.warn(std::string("the strength is at the end of the range that was looked at: ") +
                    (figures.trials.empty() ? "" : "see the curve in the report, or ") + "give " +

@@ -499,7 +499,9 @@ void Reconstructor::test_thermal(const FrameMeasurements& measurements, double s
 
 Report Reconstructor::report(const ReconstructResult& result, const std::string& output,
                              const Execution& execution) const {
-  warn_of(result.figures, settings_, request_.names(), execution);
+  ReconstructionSettings asked = settings_;
+  asked.strength = request_.strength.value_or(-1);  // that of settings_ may have been chosen
+  warn_of(result.figures, asked, request_.names(), execution);
   Report report;
   std::vector<std::string> cameras;
   for (const ReconstructCamera& camera : cameras_.cameras) cameras.push_back(camera.what);

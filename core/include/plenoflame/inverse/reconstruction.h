@@ -65,6 +65,8 @@ struct ReconstructionSettings {
   bool support = true;
   /// The error of rows for the finite number of rays counts as noise (row_noise.h).
   bool ray_noise = true;
+  /// Errors of the grid (grid_errors()) count as noise of the rows.
+  bool grid_noise = true;
   int draws = 30;               ///< of the posterior, for the standard deviations; 0: none
   bool test_model = false;      ///< suspect.h; it takes seven solutions for each camera
   bool test_absorption = true;  ///< with them, where the absorption is known
@@ -167,7 +169,10 @@ struct Reconstruction {
   bool strength_at_end = false;    ///< of the tested range: it may be wrong
   bool explained_by_noise = true;  ///< false: chi^2 is above what noise explains
   std::size_t clipped = 0;         ///< rows below 0 that a multiplicative solver took for 0
-  double chi_squared = 0;          ///< per row: 1 if noise explains the residuals
+  /// Per row: 1 if noise and errors of the grid explain the residuals.
+  double chi_squared = 0;
+  double noise_chi_squared = 0;  ///< the same without errors of the grid
+  bool coarse = false;           ///< noise explains the residuals only with errors of the grid
   /// The same of the temperatures that follow from it (flame_estimate.h). They are interpolated
   /// before the emission is computed, as in the renderer. Negative: not computed, or no
   /// temperatures.

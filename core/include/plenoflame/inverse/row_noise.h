@@ -8,7 +8,8 @@
 #include "plenoflame/inverse/measurement.h"
 
 /// The expected deviation of a row of the linear problem from its model. It contains the noise of
-/// the pictures and the error of the row itself, which has a finite number of rays.
+/// the pictures and the error of the row itself, which has a finite number of rays. It also
+/// contains the detail between the places of the unknowns.
 namespace plenoflame {
 
 /// Standard error of rows for the finite number of their rays, as a function of their flux. Dim
@@ -33,11 +34,23 @@ struct RayError {
 RayError ray_error(const EmissionProblem& problem, std::span<const double> x,
                    const Execution& execution);
 
+/// [W] Error of each row by detail between the places of the unknowns: a hundredth of the light
+/// between arcs and their chords (errors_of_chords()). Experiments chose this share.
+/// @param a of the problem @param x an estimate @param solved 0 for unknowns that stay 0
+/// @return nothing if a stop ends the product
+std::vector<double> grid_errors(const LinearOperator& a, const EmissionProblem& problem,
+                                std::span<const double> x, const std::vector<char>& solved);
+
 /// 1 / standard deviation of each row; 0 for rows that are left out. Shot noise is computed from
 /// the light that a model explains. Weights by the counted light would prefer rows that counted too
 /// little by chance, and lower every fit by about an electron per row.
 /// @param explained [W] A x for an estimate of x; empty: shot noise by the counts, no error of rays
+/// @param grid [W] errors by the grid; empty: none
 std::vector<double> row_weights(const MeasuredRows& measured, std::span<const double> explained,
-                                const RayError& rays);
+                                const RayError& rays, std::span<const double> grid = {});
+
+/// |W (fluxes - b)|^2 of all rows.
+double misfit_of(std::span<const double> fluxes, std::span<const double> b,
+                 std::span<const double> weights);
 
 }  // namespace plenoflame
