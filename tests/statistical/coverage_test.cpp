@@ -12,7 +12,7 @@ namespace plenoflame::test::coverage_test {
 namespace {
 
 const int kReferenceSamples = in_full() ? 1 << 15 : 1 << 12;
-const int kSide = in_full() ? 100 : 48;
+const int kSide = in_full() ? 200 : 48;
 const std::vector<double> kTargets =
     in_full() ? std::vector{0.2, 0.07, 0.03} : std::vector{0.2, 0.1};
 
