@@ -114,7 +114,8 @@ run_tests() {
   fi
 }
 
-# build PRESET LABELS [TARGET...]: without the programs of tests with LABELS ("slow|long"); all of it, or TARGETs.
+# build PRESET LABELS [TARGET...]: without the programs of tests with LABELS ("slow|long"); all of it, or TARGETs. TARGET objects: no
+# library or program is linked.
 build() {
   local preset=$1 without=${2//|/;} folder=${folder:-build/$1}
   shift 2
@@ -122,6 +123,7 @@ build() {
     cat "$logs/configure-${folder##*/}.log"
     return 1
   }
+  [ "${1:-}" != objects ] || set -- $(ninja -C "$folder" -t targets all | sed -n 's/\.o: CXX_.*/.o/p')
   "${run[@]}" cmake --build "$folder" -j "$jobs" ${1:+--target "$@"} >"$logs/build-${folder##*/}.log" 2>&1 || {
     tail -n 200 "$logs/build-${folder##*/}.log"
     return 1
@@ -198,10 +200,11 @@ if stage "build: release" build release "$release_without"; then built=yes; fi
 if [ "$all" = yes ]; then
   begin_bare
   stage "build: core alone" build core-only "" || true
-  # What developers build: file by file, and no precompiled header hides a missing include. Nothing of it runs.
-  how=(-DPLENOFLAME_COMPILE_TOGETHER=OFF -DPLENOFLAME_PRECOMPILE=OFF -DCMAKE_CXX_FLAGS_RELEASE=-O0
+  # What developers build: file by file, and no precompiled header hides a missing include. Nothing of it is linked or runs,
+  # and the cache, which would preprocess each file once more, is left alone.
+  how=(-DPLENOFLAME_COMPILE_TOGETHER=OFF -DPLENOFLAME_PRECOMPILE=OFF -DCMAKE_CXX_FLAGS_RELEASE=-fsyntax-only
     -DCMAKE_DISABLE_FIND_PACKAGE_Qt6=ON)
-  folder=build/file-by-file stage "build: file by file" build release "" || true
+  CCACHE_DISABLE=1 folder=build/file-by-file stage "build: file by file" build release "" objects || true
   how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
 fi
 if [ "$quick" = no ]; then

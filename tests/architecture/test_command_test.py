@@ -21,6 +21,9 @@ CTEST = """#!/bin/bash
 echo "${TEST:-1/1 Test  #1: one ..... Passed 0.01 sec}"
 """ + TOOL + """echo "100% tests passed, 0 tests failed out of 7"
 """
+NINJA = """#!/bin/bash
+printf 'all: phony\\na.cpp.o: CXX_COMPILER__a\\nb.cpp.o: CXX_COMPILER__b\\n'
+"""
 SETARCH = """#!/bin/bash
 shift 2
 exec "$@"
@@ -34,7 +37,7 @@ class TestCommand(unittest.TestCase):
         self.root = pathlib.Path(folder.name)
         shutil.copy(ROOT / "test.sh", self.root)
         for name, text in [("tools/format.sh", TOOL), ("tests/bare/run.sh", TOOL), ("bin/cmake", TOOL), ("bin/ctest", CTEST),
-                           ("bin/setarch", SETARCH)]:
+                           ("bin/setarch", SETARCH), ("bin/ninja", NINJA)]:
             file = self.root / name
             file.parent.mkdir(exist_ok=True, parents=True)
             file.write_text(text)
@@ -44,7 +47,7 @@ class TestCommand(unittest.TestCase):
         (self.root / "calls").unlink(missing_ok=True)
         done = subprocess.run(
             ["bash", "test.sh", "--no-setup", *options], cwd=self.root, text=True, capture_output=True,
-            env=os.environ | {"PATH": f"{self.root / 'bin'}:{os.environ['PATH']}",
+            env=os.environ | {"PLENOFLAME_JOBS": "2", "PATH": f"{self.root / 'bin'}:{os.environ['PATH']}",
                               "CALLS": str(self.root / "calls")} | environment)
         return done, (self.root / "calls").read_text().splitlines()
 
@@ -63,7 +66,7 @@ class TestCommand(unittest.TestCase):
         self.assertEqual([c.split()[2] for c in calls if c.startswith("ctest")], ["release", "asan", "tsan"])
         plain = [c for c in calls if "PLENOFLAME_PRECOMPILE=OFF" in c]
         self.assertEqual(len(plain), 1)
-        self.assertIn("cmake --build build/file-by-file", "\n".join(calls))
+        self.assertIn("cmake --build build/file-by-file -j 2 --target a.cpp.o b.cpp.o", "\n".join(calls))
         self.assertIn("run.sh --all", calls)
         self.assertIn("ctest --preset release -j", "\n".join(calls))
         # The bare Debian runs the other tests. Where none can be made, all run here.
