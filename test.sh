@@ -204,7 +204,7 @@ if [ "$all" = yes ]; then
   # libraries, which "true" makes. The cache would preprocess each file once more.
   how=(-DPLENOFLAME_COMPILE_TOGETHER=OFF -DPLENOFLAME_PRECOMPILE=OFF -DCMAKE_CXX_FLAGS_RELEASE=-fsyntax-only
     -DCMAKE_DISABLE_FIND_PACKAGE_Qt6=ON -DCMAKE_AR=/bin/true -DCMAKE_RANLIB=/bin/true -DCMAKE_CXX_LINKER_LAUNCHER=/bin/true)
-  CCACHE_DISABLE=1 folder=build/file-by-file stage "build: file by file" build release "" objects || true
+  CCACHE_DISABLE=1 folder=build/file-by-file stage "file by file" build release "" objects || true
   how=(-DPLENOFLAME_COMPILE_TOGETHER=ON)
 fi
 if [ "$quick" = no ]; then

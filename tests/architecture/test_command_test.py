@@ -81,9 +81,10 @@ class TestCommand(unittest.TestCase):
             subprocess.run(["git", *command.split()], cwd=self.root, check=True)
         self.run_tests("--all", FAILS="ctest --preset tsan")
         done, calls = self.run_tests("--all")
-        self.assertIn("Not run again: 5 tests", done.stdout)  # format, bare Debian and one of each ctest
+        self.assertIn("Not run again: 6 tests", done.stdout)  # format, file by file, bare Debian and one of each ctest
         self.assertEqual(sum(c.startswith("ctest") and c.endswith(" -E ^(one)$") for c in calls), 3)
         self.assertNotIn("run.sh --all", calls)
+        self.assertNotIn("file-by-file", "\n".join(calls))
         self.assertIn("cmake --build build/asan", "\n".join(calls))
         (self.root / "other").write_text("")
         _, calls = self.run_tests("--all")
