@@ -209,8 +209,8 @@ if [ "$all" = yes ]; then
 fi
 if [ "$quick" = no ]; then
   stage "bare Debian" end_of_bare || true
-  # There the others have run.
-  [ "$all$bare_passed" != yesyes ] || chosen=(-L 'long|meta')
+  # There the others have run, except those of ParaView, which make a bare Debian of their own.
+  [ "$all$bare_passed" != yesyes ] || chosen=(-L 'long|meta|paraview')
 fi
 [ "$built" = no ] || run_tests release "${chosen[@]}"
 if [ "$quick" = no ]; then

@@ -70,7 +70,7 @@ class TestCommand(unittest.TestCase):
         self.assertIn("run.sh --all", calls)
         self.assertIn("ctest --preset release -j", "\n".join(calls))
         # The bare Debian runs the other tests. Where none can be made, all run here.
-        for ends_with, options in [("0", "-L long|meta"), ("77", "-LE unit|fuzz|short")]:
+        for ends_with, options in [("0", "-L long|meta|paraview"), ("77", "-LE unit|fuzz|short")]:
             _, calls = self.run_tests("--all", FAILS="run.sh", FAILS_WITH=ends_with)
             release = next(c for c in calls if c.startswith("ctest --preset release"))
             self.assertTrue(release.endswith(options), release)
